@@ -51,6 +51,8 @@ pub struct Analysis {
     pub kind: AnalysisKind,
     /// Acceleration of gravity, m/s^2.
     pub gravity: DVec2,
+    /// Factor on cohesion, tensile strength and friction of all contacts and bonds.
+    pub strength: f64,
     /// Out-of-plane thickness h, m.
     pub thickness: f64,
     /// Theta of the path of particles, where contacts have restitution: then the theta of
@@ -61,7 +63,13 @@ pub struct Analysis {
 
 impl Default for Analysis {
     fn default() -> Self {
-        Self { kind: AnalysisKind::Static, gravity: DVec2::ZERO, thickness: 1.0, path_theta: None }
+        Self {
+            kind: AnalysisKind::Static,
+            gravity: DVec2::ZERO,
+            strength: 1.0,
+            thickness: 1.0,
+            path_theta: None,
+        }
     }
 }
 

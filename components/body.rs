@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 ///
 /// All ordered tables use the order of identities: first particles, then walls, each ascending.
 /// `Entity` values and query order depend on the history of the world, so nothing is ordered by
-/// them. Identities may have gaps; [`Bodies`](crate::contact::Bodies) has one dense row per body.
+/// them. Identities may have gaps; [`BodyTable`](crate::contact::BodyTable) has one dense row per
+/// body.
 #[derive(
     Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize,
 )]
@@ -22,28 +23,28 @@ pub struct BodyId(pub u32);
 /// Centre of a disk, or middle of a wall's drawn segment, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct Position(pub DVec2);
+pub struct BodyPosition(pub DVec2);
 
 /// Position at the start of the stage list, m. Recorded displacements are relative to it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(clone_behavior = Ignore)]
-pub struct Origin(pub DVec2);
+pub struct BodyOrigin(pub DVec2);
 
 /// Rotation since the start, rad, anticlockwise positive.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct Rotation(pub f64);
+pub struct BodyRotation(pub f64);
 
 /// Velocity, m/s. Static analysis does not change it.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct Velocity(pub DVec2);
+pub struct BodyVelocity(pub DVec2);
 
 /// Angular velocity, rad/s.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct AngularVelocity(pub f64);
+pub struct BodyAngularVelocity(pub f64);
 
 /// Displacement of the last committed increment: (x, y) in m and rotation in rad.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -53,7 +54,7 @@ pub struct LastMotion(pub [f64; 3]);
 /// Boundary condition of one degree of freedom of a body during a whole increment.
 #[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum Drive {
+pub enum BodyDrive {
     /// Free: the motion is an unknown.
     #[default]
     Free,
@@ -64,14 +65,14 @@ pub enum Drive {
 /// Drives of the three degrees of freedom of a particle: x, y, rotation.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct Drives(pub [Drive; 3]);
+pub struct BodyDrives(pub [BodyDrive; 3]);
 
-impl Drives {
+impl BodyDrives {
     /// Imposes the displacements x, y (m) and the rotation (rad) over an increment; 0 holds the
     /// body.
     #[must_use]
     pub fn imposed(displacements: [f64; 3]) -> Self {
-        Self(displacements.map(Drive::Imposed))
+        Self(displacements.map(BodyDrive::Imposed))
     }
 }
 

@@ -3,10 +3,10 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-/// Two bodies without a bond that carried no force carry one after this increment: a message, and
-/// an event for observers. They are looked for only in an app that asks for them with
+/// Two bodies without a bond that carried no force carry one after this increment: a message, which
+/// [`BodyHit`] says to observers. Collisions are looked for only in an app that asks for them with
 /// `app.add_message::<Collision>()`.
-#[derive(Message, Event, Clone, Copy, Debug, PartialEq)]
+#[derive(Message, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Collision {
     /// The increment.
@@ -17,4 +17,18 @@ pub struct Collision {
     pub normal: DVec2,
     /// Normal force, N.
     pub force: f64,
+}
+
+/// A body has met another one: the event of observers, of all bodies or of the entity of one. Both
+/// bodies of a [`Collision`] get it.
+#[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct BodyHit {
+    /// Entity of the body.
+    #[event_target]
+    pub body: Entity,
+    /// Entity of the body that it has met.
+    pub other: Entity,
+    /// What has happened, in the order of identities.
+    pub collision: Collision,
 }

@@ -5,9 +5,10 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
-use crate::body::{BodyId, Drive, Ramp};
+use crate::body::{BodyDrive, BodyId, Ramp};
 use crate::bond::BondId;
 use crate::cell::PeriodicCell;
+use crate::link::LinkRow;
 use crate::rigid_group::GroupRow;
 pub use crate::rows::{BondRow, WallRow};
 use crate::wall::WallDrive;
@@ -19,7 +20,7 @@ use crate::wall::WallDrive;
 /// followed motion changes it. Entities keep the last committed state until a trial is committed.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Bodies {
+pub struct BodyTable {
     /// Number of particles; the rows of walls begin here.
     pub particles: usize,
     /// Identity of every body, ascending among particles and among walls.
@@ -45,7 +46,7 @@ pub struct Bodies {
     /// Material indices of the particles.
     pub materials: Vec<u32>,
     /// Drives of the particles.
-    pub drives: Vec<[Drive; 3]>,
+    pub drives: Vec<[BodyDrive; 3]>,
     /// Applied loads of the particles.
     pub loads: Vec<[Ramp; 3]>,
     /// Particles that swing about their taut bonds.
@@ -62,18 +63,20 @@ pub struct Bodies {
     pub bonds: Vec<BondRow>,
     /// The bonds that a motion has broken in this increment, in the order in which they broke.
     pub broken: Vec<BondRow>,
+    /// The links, by the rows of their bodies and their points.
+    pub links: Vec<LinkRow>,
     /// Mean radius of the particles, m; 1 without particles.
     pub mean_radius: f64,
     /// The periodic cell of the specimen, if it is in one. In the program its row follows those of
     /// all bodies.
     pub cell: Option<PeriodicCell>,
-    /// Whether imposed motions stand still in the trial, because a step of a followed motion has made
-    /// them or because a rupture released the motion. Loads then have their values at the end of the
-    /// trial.
+    /// Whether imposed motions stand still in the trial, because a step of a followed motion has
+    /// made them or because a rupture released the motion. Loads then have their values at the end
+    /// of the trial.
     pub drives_stopped: bool,
 }
 
-impl Bodies {
+impl BodyTable {
     /// Name of a body in messages: its kind and its identity.
     #[must_use]
     pub fn name(&self, row: usize) -> String {
@@ -130,9 +133,13 @@ impl Bodies {
         self.groups.get(index as usize)
     }
 
-    /// Whether two bodies are members of one rigid group.
+    /// Whether two bodies, `a < b`, have no contact with each other: members of one rigid group,
+    /// and linked bodies.
     #[must_use]
     pub fn are_joined(&self, a: u32, b: u32) -> bool {
+        if self.links.binary_search_by_key(&[a, b], |link| link.rows).is_ok() {
+            return true;
+        }
         let of = |row: u32| self.group_of.get(row as usize).copied().flatten();
         of(a).is_some_and(|group| of(b) == Some(group))
     }
@@ -151,9 +158,9 @@ impl Bodies {
     /// Drive of degree of freedom `k` of a rigid group in the trial. Imposed displacements are
     /// those of a whole increment.
     #[must_use]
-    pub fn group_drive(&self, group: &GroupRow, k: usize) -> Drive {
+    pub fn group_drive(&self, group: &GroupRow, k: usize) -> BodyDrive {
         match group.drives[k] {
-            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
+            BodyDrive::Imposed(_) if self.drives_stopped => BodyDrive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -163,8 +170,8 @@ impl Bodies {
     #[must_use]
     pub fn imposed_motion(&self, group: &GroupRow) -> f64 {
         let [x, y, turn] = [0, 1, 2].map(|k| match self.group_drive(group, k) {
-            Drive::Imposed(u) => u,
-            Drive::Free => 0.0,
+            BodyDrive::Imposed(u) => u,
+            BodyDrive::Free => 0.0,
         });
         x.hypot(y) + turn.abs() * group.extent
     }
@@ -172,9 +179,9 @@ impl Bodies {
     /// Drive of degree of freedom `k` of particle `i` in the trial. Imposed displacements are those
     /// of a whole increment.
     #[must_use]
-    pub fn drive(&self, i: usize, k: usize) -> Drive {
+    pub fn drive(&self, i: usize, k: usize) -> BodyDrive {
         match self.drives[i][k] {
-            Drive::Imposed(_) if self.drives_stopped => Drive::Imposed(0.0),
+            BodyDrive::Imposed(_) if self.drives_stopped => BodyDrive::Imposed(0.0),
             drive => drive,
         }
     }
@@ -269,14 +276,14 @@ pub struct Contact {
     pub normal: DVec2,
     /// Gap `g_0` at the start of the increment, m; negative is overlap.
     pub gap: f64,
-    /// Index into [`Bodies::bonds`] of the intact bond that joins the two bodies.
+    /// Index into [`BodyTable::bonds`] of the intact bond that joins the two bodies.
     pub bond: Option<u32>,
 }
 
 impl Contact {
     /// The contact point, the middle of the gap, m.
     #[must_use]
-    pub fn point(&self, bodies: &Bodies) -> DVec2 {
+    pub fn point(&self, bodies: &BodyTable) -> DVec2 {
         let a = self.a as usize;
         bodies.positions[a] + self.normal * (bodies.radii[a] + 0.5 * self.gap)
     }
@@ -284,7 +291,7 @@ impl Contact {
     /// Common radius r^I, m: the smaller radius of two particles, or the radius of the particle at
     /// a wall.
     #[must_use]
-    pub fn common_radius(&self, bodies: &Bodies) -> f64 {
+    pub fn common_radius(&self, bodies: &BodyTable) -> f64 {
         let ra = bodies.radii[self.a as usize];
         bodies.radii.get(self.b as usize).map_or(ra, |rb| ra.min(*rb))
     }
@@ -293,4 +300,4 @@ impl Contact {
 /// Potential contacts of the attempt, sorted by (a, b).
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Contacts(pub Vec<Contact>);
+pub struct ContactTable(pub Vec<Contact>);

@@ -1,7 +1,7 @@
 //! The memory of contacts between increments, and the rows that it refers to.
 
 use crate::body::BodyId;
-use crate::contact::Bodies;
+use crate::contact::BodyTable;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -25,7 +25,7 @@ impl KeptRows {
     }
 
     /// Takes over the rows of `bodies` and records the new row of each former one.
-    pub fn follow(&mut self, bodies: &Bodies) {
+    pub fn follow(&mut self, bodies: &BodyTable) {
         self.now.clear();
         self.changed = !self.ids.is_empty() && self.ids != bodies.ids;
         // Bodies that are appended after all others change no row.

@@ -45,6 +45,20 @@ pub const DENSITY_OF_RUPTURES: Domain =
 /// [`RuptureRules::brittleness`](crate::increment::RuptureRules::brittleness).
 pub const BRITTLENESS: Domain =
     Domain::new("a multiple of the mean contact force, 0 or more", |b| b >= 0.0);
+/// Radii of disks and arcs.
+pub const RADIUS: Domain = Domain::new("a radius in m greater than 0", |r| r > 0.0);
+/// Coordinates.
+pub const PLACE: Domain = Domain::new("a place in m", |_| true);
+/// Components of a velocity.
+pub const VELOCITY: Domain = Domain::new("a velocity in m/s", |_| true);
+/// Angular velocities.
+pub const SPIN: Domain = Domain::new("a velocity in rad/s", |_| true);
+/// Coefficient of restitution.
+pub const RESTITUTION: Domain =
+    Domain::new("a coefficient of restitution from 0 to 1", |e| (0.0..=1.0).contains(&e));
+/// Compliances of contacts, bonds and links. Scenes give the stiffness.
+pub const COMPLIANCE: Domain =
+    Domain::new("1 over a stiffness above 0, or 0 for a rigid one", |c| c >= 0.0);
 /// Coefficients of friction and of rolling friction.
 pub const COEFFICIENT: Domain = Domain::new("a coefficient of 0 or more", |mu| mu >= 0.0);
 /// [`BondLaw::cohesion`](crate::material::BondLaw::cohesion).

@@ -31,8 +31,9 @@ pub struct Ruptures {
 pub struct EventTrial {
     /// Fraction of a whole increment.
     pub fraction: f64,
-    /// Overload R of every bond, in the order of [`Bodies::bonds`](crate::contact::Bodies::bonds).
-    /// R is at most 1 for a bond within its limits.
+    /// Overload R of every bond, in the order of
+    /// [`BodyTable::bonds`](crate::contact::BodyTable::bonds). R is at most 1 for a bond within its
+    /// limits.
     pub overloads: Vec<f64>,
     /// Change of the contact forces since the start of the increment, `sum|f - f_0| / sum|f|`.
     pub change: f64,
@@ -156,8 +157,8 @@ pub struct Guesses {
 }
 
 impl Guesses {
-    /// Takes over the error of a pass; whether passes still reduce it: no more than `max` in a row have
-    /// left more than the part `progress` of the smallest.
+    /// Takes over the error of a pass; whether passes still reduce it: no more than `max` in a row
+    /// have left more than the part `progress` of the smallest.
     pub fn makes_way(&mut self, error: f64, progress: f64, max: u32) -> bool {
         let best = self.best.unwrap_or(f64::INFINITY);
         self.stalled = if error < progress * best { 0 } else { self.stalled + 1 };

@@ -126,7 +126,7 @@ pub struct Acceptance {
     /// Maximum angle by which one static solution turns a bond or a contact that carries load, rad.
     /// A solution that turns one further is followed as a motion, since its normals are constant.
     pub turn: f64,
-    /// Travel of the furthest grain about the mean field that a step of a followed motion aims at,
+    /// Travel of the furthest grain that a step of a followed motion aims at,
     /// in its radii; at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).
     #[serde(skip)]
     pub motion_step: f64,
@@ -142,7 +142,7 @@ pub struct Acceptance {
 }
 
 impl Acceptance {
-    /// Maximum travel of the furthest grain about the mean field in a step of a followed motion, in
+    /// Maximum travel of the furthest grain in a step of a followed motion, in
     /// its radii. Constant normals allow no more.
     pub const MAX_TRAVEL: f64 = 0.3;
 }

@@ -18,6 +18,7 @@ pub mod domain;
 pub mod energy;
 pub mod findings;
 pub mod increment;
+pub mod link;
 pub mod loads;
 pub mod material;
 pub mod measure;

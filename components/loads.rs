@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectResource;
 
 use crate::body::BodyId;
-use crate::contact::Bodies;
+use crate::contact::BodyTable;
 
 /// Load added to one degree of freedom: a force, and a stiffness that resists the displacement.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -18,7 +18,8 @@ pub struct AddedLoad {
     pub stiffness: f64,
 }
 
-/// Loads of the trial, which the systems of the `Loads` schedule add. The outside world acts with
+/// Loads of the trial, which the systems of the `AddTrialLoads` schedule add. The outside world
+/// acts with
 /// `force - stiffness u` on a degree of freedom with displacement u. Contributions add up. Their
 /// sum does not depend on the order in which they were added.
 #[derive(Resource, Clone, Debug, Default)]
@@ -64,7 +65,7 @@ impl TrialLoads {
     /// ignored. Contributions are sorted before they are summed, because a sum of floating-point
     /// numbers depends on its order.
     #[must_use]
-    pub fn sums(&self, bodies: &Bodies) -> Vec<[AddedLoad; 3]> {
+    pub fn sums(&self, bodies: &BodyTable) -> Vec<[AddedLoad; 3]> {
         let mut sorted = self.added.clone();
         sorted.sort_by(|(a, k, x), (b, l, y)| {
             (a, k)

@@ -91,6 +91,17 @@ pub enum Quantity {
         /// Whether it is the mass.
         mass: bool,
     },
+    /// Grains with centres in a rectangle.
+    Grains {
+        /// How they are counted.
+        amount: GrainAmount,
+        /// Lower left corner, m.
+        min: DVec2,
+        /// Upper right corner, m.
+        max: DVec2,
+        /// Minimum displacement since the start of the reference stage, m.
+        moved: f64,
+    },
     /// Value of a membrane.
     Membrane {
         /// The membrane.
@@ -102,6 +113,18 @@ pub enum Quantity {
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
+}
+
+/// How grains are counted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum GrainAmount {
+    /// Their number.
+    Number,
+    /// Their mass, kg.
+    Mass,
+    /// Their share of the mass of all grains.
+    Share,
 }
 
 /// Component of the force of a wall.

@@ -6,8 +6,8 @@ use bevy_ecs::reflect::ReflectComponent;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{
-    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Position,
-    Rotation, Velocity,
+    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyPosition, BodyRotation, BodyVelocity,
+    ExternalForce, LastMotion, LoadControl,
 };
 
 /// A rigid disk. It cannot be changed in place: insert another `Particle`.
@@ -15,12 +15,12 @@ use crate::body::{
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
 #[require(
-    Position,
-    Rotation,
-    Velocity,
-    AngularVelocity,
+    BodyPosition,
+    BodyRotation,
+    BodyVelocity,
+    BodyAngularVelocity,
     LastMotion,
-    Drives,
+    BodyDrives,
     LoadControl,
     AppliedLoad,
     ExternalForce,
@@ -33,6 +33,11 @@ pub struct Particle {
     pub mass: f64,
     /// Mass moment of inertia, kg m^2: m r^2 / 2.
     pub inertia: f64,
+    /// Thickness h, m, of which the mass is, if it is known. Another one than that of
+    /// [`Analysis`](crate::increment::Analysis), with which forces and stresses go, halts the
+    /// world.
+    #[serde(skip)]
+    pub thickness: Option<f64>,
 }
 
 impl Particle {
@@ -40,7 +45,8 @@ impl Particle {
     #[must_use]
     pub fn disk(radius: f64, density: f64, thickness: f64) -> Self {
         let mass = density * std::f64::consts::PI * radius * radius * thickness;
-        Self { radius, mass, inertia: 0.5 * mass * radius * radius }
+        let inertia = 0.5 * mass * radius * radius;
+        Self { radius, mass, inertia, thickness: Some(thickness) }
     }
 }
 

@@ -7,25 +7,25 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{
-    AppliedLoad, BodyId, Drive, Drives, ExternalForce, LastMotion, LoadControl, Position, Ramp,
-    Rotation,
+    AppliedLoad, BodyDrive, BodyDrives, BodyId, BodyPosition, BodyRotation, ExternalForce,
+    LastMotion, LoadControl, Ramp,
 };
 
 /// Particles and walls that move as one body. Walls have no mass.
 ///
-/// [`Drives`] and [`LoadControl`] of the group hold, drive or load its three degrees of freedom:
-/// the translations of its centre and its rotation. Loads of the members act on the group. Drives
-/// of the members have no effect. The centre is the centre of mass, or a pivot that moves with the
-/// body; [`Position`] is its place. A group with walls has a pivot. A body is a member of one group
-/// at most.
+/// [`BodyDrives`] and [`LoadControl`] of the group hold, drive or load its three degrees of
+/// freedom: the translations of its centre and its rotation. Loads of the members act on the group.
+/// Drives of the members have no effect. The centre is the centre of mass, or a pivot that moves
+/// with the body; [`BodyPosition`] is its place. A group with walls has a pivot. A body is a member
+/// of one group at most.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 #[component(immutable)]
 #[require(
-    Position,
-    Rotation,
+    BodyPosition,
+    BodyRotation,
     LastMotion,
-    Drives,
+    BodyDrives,
     LoadControl,
     AppliedLoad,
     ExternalForce,
@@ -39,8 +39,8 @@ pub struct RigidGroup {
     /// Whether the centre is a pivot instead of the centre of mass. A dynamic analysis needs its
     /// translations held.
     pub has_pivot: bool,
-    /// Rotation of the first member when the group was made, rad. [`Rotation`] counts from there.
-    /// Particles come before walls.
+    /// Rotation of the first member when the group was made, rad. [`BodyRotation`] counts from
+    /// there. Particles come before walls.
     pub reference: f64,
 }
 
@@ -50,8 +50,8 @@ pub struct RigidGroup {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct ContactForce(pub [f64; 3]);
 
-/// A rigid group of [`Bodies`](crate::contact::Bodies). Its row follows those of particles and
-/// walls. In the cone program it is the body on which the forces of its members act.
+/// A rigid group of [`BodyTable`](crate::contact::BodyTable). Its row follows those of particles
+/// and walls. In the cone program it is the body on which the forces of its members act.
 #[derive(Clone, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct GroupRow {
@@ -66,7 +66,7 @@ pub struct GroupRow {
     /// Maximum distance of a member's centre, or of a drawn point of a wall, from the centre, m.
     pub extent: f64,
     /// Drives of the three degrees of freedom.
-    pub drives: [Drive; 3],
+    pub drives: [BodyDrive; 3],
     /// Loads of the group itself, without those of its members.
     pub loads: [Ramp; 3],
 }

@@ -7,7 +7,7 @@ use crate::wall_shape::{Nearest, WallShape};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-/// A wall of [`Bodies`](crate::contact::Bodies).
+/// A wall of [`BodyTable`](crate::contact::BodyTable).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct WallRow {
@@ -67,7 +67,7 @@ impl WallRow {
     }
 }
 
-/// An intact bond of [`Bodies`](crate::contact::Bodies).
+/// An intact bond of [`BodyTable`](crate::contact::BodyTable).
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BondRow {

@@ -6,19 +6,19 @@ use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{ExternalForce, LastMotion, Position, Ramp};
+use crate::body::{BodyPosition, ExternalForce, LastMotion, Ramp};
 use crate::increment::Progress;
 use crate::material::ContactLaw;
 
 /// A rigid wall: an infinite line for contact, drawn between its ends, unless it has another
 /// [`WallShape`](crate::wall_shape::WallShape).
 ///
-/// Its [`Position`] is the middle of the drawn segment; of an arc its middle, of a whole circle its
-/// centre. Material lies on the left of the way from start to end: the inward normal is the tangent
-/// turned by +90 degrees.
+/// Its [`BodyPosition`] is the middle of the drawn segment; of an arc its middle, of a whole circle
+/// its centre. Material lies on the left of the way from start to end: the inward normal is the
+/// tangent turned by +90 degrees.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[require(Position, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
+#[require(BodyPosition, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
     /// Unit vector from the start to the end of the segment, or along the chord of an arc.
     pub tangent: DVec2,
@@ -27,18 +27,18 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// The wall between two points (m), with its [`Position`]. Material lies on the left of the way
-    /// from start to end.
+    /// The wall between two points (m), with its [`BodyPosition`]. Material lies on the left of the
+    /// way from start to end.
     ///
     /// # Panics
     /// If the points are one point or not finite, because the wall then has no direction.
     #[must_use]
-    pub fn between(start: DVec2, end: DVec2) -> (Self, Position) {
+    pub fn between(start: DVec2, end: DVec2) -> (Self, BodyPosition) {
         let Some(tangent) = (end - start).try_normalize() else {
             panic!("a wall from {start} to {end} has no direction; give it two different ends")
         };
         let wall = Self { tangent, half_length: 0.5 * start.distance(end) };
-        (wall, Position(0.5 * (start + end)))
+        (wall, BodyPosition(0.5 * (start + end)))
     }
 
     /// Unit normal that points into the specimen.

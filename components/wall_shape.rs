@@ -14,7 +14,8 @@ use serde::{Deserialize, Serialize};
 use crate::wall::Wall;
 
 /// Shape of a wall for contact. Vectors are relative to the wall's
-/// [`Position`](crate::body::Position). A wall without this component is a [`Line`](Self::Line).
+/// [`BodyPosition`](crate::body::BodyPosition). A wall without this component is a
+/// [`Line`](Self::Line).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallShape {

@@ -5,7 +5,6 @@
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::components::contact::{Bodies, Contacts};
 use clastic::prelude::*;
 use glam::DVec2;
 
@@ -14,8 +13,8 @@ use glam::DVec2;
 struct Coordination(f64);
 
 fn measure(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     solution: Res<ConeSolution>,
     mut coordination: ResMut<Coordination>,
 ) {
@@ -39,7 +38,7 @@ pub fn main() {
     app.insert_resource(materials);
     let world = app.world_mut();
     for (x, y) in [(1.0, 1.0), (3.0, 1.0), (1.0, 3.0), (3.0, 3.0)] {
-        world.spawn((Particle::disk(1.0, 2650.0, 1.0), body::Position(DVec2::new(x, y))));
+        world.spawn((Particle::disk(1.0, 2650.0, 1.0), BodyPosition(DVec2::new(x, y))));
     }
     // The material lies on the left of the way from the start of a wall to its end.
     for (tangent, x, y, push) in [
@@ -49,7 +48,7 @@ pub fn main() {
         (DVec2::Y, 4.0, 2.0, DVec2::new(-1.0e-4, 0.0)),
     ] {
         let wall = Wall { tangent, half_length: 2.0 };
-        let place = body::Position(DVec2::new(x, y));
+        let place = BodyPosition(DVec2::new(x, y));
         world.spawn((wall, law, place, WallControl::Displacement(push)));
     }
     app.update();

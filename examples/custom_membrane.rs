@@ -1,13 +1,13 @@
 //! A boundary condition of a program's own: disks wrapped in a flexible membrane, under water.
 //!
-//! The pressure on a link of the membrane grows with its depth. A system in the public set `Loads`
-//! finds the chain of the outermost disks wherever a trial starts, so that the forces follow the
-//! disks, in halved increments and followed motions too. One disk is held: it carries the buoyancy,
-//! the specific weight of the water times the volume within the membrane (Archimedes).
+//! The pressure on a link of the membrane grows with its depth. A system in the public set
+//! `AddTrialLoads` finds the chain of the outermost disks wherever a trial starts, so that the
+//! forces follow the disks, in halved increments and followed motions too. One disk is held: it
+//! carries the buoyancy, the specific weight of the water times the volume within the membrane
+//! (Archimedes).
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use clastic::components::contact::Bodies;
 use clastic::prelude::*;
 use clastic::systems::membranes::find_shape;
 use glam::DVec2;
@@ -32,14 +32,14 @@ struct BathPlugin;
 
 impl Plugin for BathPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Loads, press);
+        app.add_systems(AddTrialLoads, press);
     }
 }
 
 /// Half of the force of each link acts on each of its ends. At the pressure in its middle that is
 /// the exact resultant of a pressure that grows linearly.
 fn press(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     analysis: Res<Analysis>,
     mut baths: Query<&mut Bath>,
     mut loads: ResMut<TrialLoads>,
@@ -84,9 +84,9 @@ pub fn main() {
             if x.length() > 11.5 * RADIUS {
                 continue;
             }
-            let disk = (Particle::disk(RADIUS, 2650.0, THICKNESS), body::Position(x));
+            let disk = (Particle::disk(RADIUS, 2650.0, THICKNESS), BodyPosition(x));
             if (k, i) == (0, 0) {
-                held = Some(world.spawn((disk, Drives::imposed([0.0; 3]))).id());
+                held = Some(world.spawn((disk, BodyDrives::imposed([0.0; 3]))).id());
             } else {
                 world.spawn(disk);
             }

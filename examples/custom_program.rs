@@ -8,7 +8,6 @@ use std::process::ExitCode;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::components::contact::{Bodies, Contacts};
 use clastic::prelude::*;
 use clastic::run::measures::ProvideMeasure;
 
@@ -17,8 +16,8 @@ use clastic::run::measures::ProvideMeasure;
 struct Fabric(Option<f64>);
 
 fn measure(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     solution: Res<ConeSolution>,
     mut fabric: ResMut<Fabric>,
 ) {

@@ -2,11 +2,11 @@
 //! carries.
 //!
 //! The plugin of the engine's rule is left out of the group, and a system takes its place. The rule
-//! sets the state of the bond and adds the rupture to the record, from which messages and events follow.
+//! sets the state of the bond and adds the rupture to the record, from which messages and events
+//! follow.
 
 use bevy_app::{App, PluginGroup};
 use bevy_ecs::prelude::*;
-use clastic::components::contact::{Bodies, Contacts};
 use clastic::prelude::*;
 use clastic::systems::rupture_bonds::RuptureBondsPlugin;
 use glam::DVec2;
@@ -14,7 +14,7 @@ use glam::DVec2;
 const AGE: u64 = 10;
 
 fn break_old_bonds(
-    (contacts, bodies): (Res<Contacts>, Res<Bodies>),
+    (contacts, bodies): (Res<ContactTable>, Res<BodyTable>),
     (progress, solution): (Res<Progress>, Res<ConeSolution>),
     mut bonds: Query<&mut BondState>,
     mut record: ResMut<Observation>,
@@ -49,8 +49,8 @@ pub fn main() {
     let bond = BondLaw { normal_compliance: 1.0e-7, tensile_strength: 1.0e6, ..Default::default() };
     let world = app.world_mut();
     let [a, b] = [(0.0, 0.0), (2.0, 1.0e-6)].map(|(x, pull)| {
-        let place = body::Position(DVec2::new(x, 0.0));
-        let drives = Drives::imposed([pull, 0.0, 0.0]);
+        let place = BodyPosition(DVec2::new(x, 0.0));
+        let drives = BodyDrives::imposed([pull, 0.0, 0.0]);
         world.spawn((Particle::disk(1.0, 2650.0, 1.0), place, drives)).id()
     });
     world.spawn(Bond::between(a, b, bond));

@@ -45,7 +45,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     spawn_scene(app.world_mut(), &loaded.scene, None);
     while advance(app.world_mut()) == Step::Increment {}
     // Without friction it has g sin(0.1) t after t = 0.1 s.
-    let mut disks = app.world_mut().query_filtered::<&Velocity, With<Particle>>();
+    let mut disks = app.world_mut().query_filtered::<&BodyVelocity, With<Particle>>();
     let speed = disks.single(app.world())?.0.x;
     println!("{speed:.6} m/s");
     assert!((speed - 9.81 * 0.1_f64.sin() * 0.1).abs() < 1e-9);

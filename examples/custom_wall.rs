@@ -24,7 +24,7 @@ impl Sine {
     }
 }
 
-fn follow(progress: Res<Progress>, mut lids: Query<(&Sine, &body::Position, &mut WallDrive)>) {
+fn follow(progress: Res<Progress>, mut lids: Query<(&Sine, &BodyPosition, &mut WallDrive)>) {
     for (sine, place, mut drive) in &mut lids {
         // A drive is for a whole increment. If an increment was halved, only `left` of it remains.
         // The motion is computed from the position of the lid, so that no error adds up.
@@ -43,15 +43,15 @@ pub fn main() {
     let sine = Sine { rest: 1.0, amplitude: 1.0e-3, period: 8.0 };
     let lid = (Wall { tangent: DVec2::NEG_X, half_length: 1.0 }, WallControl::Custom);
     let world = app.world_mut();
-    let lid = world.spawn((lid, sine, body::Position(DVec2::Y))).id();
+    let lid = world.spawn((lid, sine, BodyPosition(DVec2::Y))).id();
     // An increment needs a particle; this one is held far below.
     let disk = Particle::disk(0.1, 2650.0, 1.0);
-    world.spawn((disk, body::Position::default(), Drives::imposed([0.0; 3])));
+    world.spawn((disk, BodyPosition::default(), BodyDrives::imposed([0.0; 3])));
 
     for n in 1..=8 {
         app.update();
         let world = app.world();
-        let height = world.get::<body::Position>(lid).map_or(0.0, |place| place.0.y);
+        let height = world.get::<BodyPosition>(lid).map_or(0.0, |place| place.0.y);
         let wanted = world.get::<Sine>(lid).map_or(0.0, |sine| sine.height(f64::from(n)));
         println!("{height:.6} m");
         assert!((height - wanted).abs() < 1e-15);

@@ -16,8 +16,8 @@ pub fn main() {
 
     let world = app.world_mut();
     let mut disk = |x, pull| {
-        let place = body::Position(DVec2::new(x, 0.0));
-        world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, Drives::imposed(pull))).id()
+        let place = BodyPosition(DVec2::new(x, 0.0));
+        world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, BodyDrives::imposed(pull))).id()
     };
     let (held, pulled) = (disk(0.0, [0.0; 3]), disk(12.0e-3, [1.0e-6, 0.0, 0.0]));
     world.spawn(Bond::between(held, pulled, bond));

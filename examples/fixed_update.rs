@@ -1,58 +1,64 @@
-//! Increments in `FixedUpdate`: the simulation keeps its own time, whatever the frame rate.
+//! Several increments in a frame: the simulation keeps its own time, whatever the frame rate.
 //!
-//! A disk of 1 kg falls under dynamic analysis with increments of 5 ms. Four of them fit into a
-//! frame of 20 ms. After 10 frames the speed is 9.81 m/s^2 times 0.2 s.
+//! Bevy's `TimePlugin` runs `FixedPostUpdate` once per time step that has passed. The time step is
+//! `dt` of the analysis, and the plugins set that of Bevy to it. A disk of 1 kg falls with
+//! increments of 5 ms, four to a frame of 20 ms.
+//!
+//! A simulation that is faster or slower than the clock: `Time::<Virtual>::set_relative_speed`. If
+//! increments take longer than `dt`, the simulation falls behind, and `TimePlugin` asks for ever
+//! more of them, up to `Time::<Virtual>::max_delta` in a frame: see `background.rs`.
 
-use bevy_app::{App, FixedMain, FixedUpdate, RunFixedMainLoop, RunFixedMainLoopSystems};
+use std::time::Duration;
+
+use bevy_app::{App, FixedPostUpdate, Update};
 use bevy_ecs::prelude::*;
+use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
 use clastic::prelude::*;
 use glam::DVec2;
 
-/// Time step of the simulation and of `FixedUpdate`, s.
-const DT: f64 = 5.0e-3;
-
-/// Highest speed of a disk so far, m/s.
+/// Number of frames, and what the last one showed.
 #[derive(Resource, Default)]
-struct Highest(f64);
-
-/// A system of yours that reads results in the same schedule, after the increment.
-fn follow(disks: Query<&Velocity, With<Particle>>, mut highest: ResMut<Highest>) {
-    highest.0 = disks.iter().map(|v| v.0.length()).fold(highest.0, f64::max);
+struct Shown {
+    frames: u64,
+    increments: u64,
+    speed: f64,
 }
 
-/// Stands for `TimePlugin` of `bevy_time`, which runs `FixedMain` once per time step that has
-/// passed. With `bevy_time` set the same time step: `Time::<Fixed>::from_seconds(DT)`. If an
-/// increment takes longer than this, the simulation falls behind, and `bevy_time` asks for ever
-/// more increments; choose a longer time step, or `Update`.
-fn frame_of_20_ms(world: &mut World) {
-    for _ in 0..4 {
-        world.run_schedule(FixedMain);
-    }
+/// A system of yours that reads what was committed last, once per frame.
+fn show(
+    disks: Query<&BodyVelocity, With<Particle>>,
+    progress: Res<Progress>,
+    mut shown: ResMut<Shown>,
+) {
+    shown.frames += 1;
+    shown.increments = progress.increment;
+    shown.speed = disks.iter().map(|v| v.0.length()).fold(0.0, f64::max);
 }
 
 /// Runs the example.
 pub fn main() {
     let mut app = App::new();
-    app.add_plugins(ClasticPlugins::new(FixedUpdate))
-        .init_resource::<Highest>()
-        .add_systems(FixedUpdate, follow.after(Stepping))
-        .add_systems(
-            RunFixedMainLoop,
-            frame_of_20_ms.in_set(RunFixedMainLoopSystems::FixedMainLoop),
-        )
+    app.add_plugins((TimePlugin, ClasticPlugins::new(FixedPostUpdate)))
+        .init_resource::<Shown>()
+        .add_systems(Update, show)
+        // Instead of the clock, so that the numbers below are always the same.
+        .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)))
         .insert_resource(Analysis {
-            kind: AnalysisKind::Dynamic { dt: DT, theta: 1.0 },
+            kind: AnalysisKind::Dynamic { dt: 5.0e-3, theta: 1.0 },
             gravity: DVec2::new(0.0, -9.81),
             ..Analysis::default()
         });
     let disk = Particle::disk(0.1, 1.0 / (0.01 * std::f64::consts::PI), 1.0);
-    app.world_mut().spawn((disk, body::Position::default()));
+    app.world_mut().spawn((disk, BodyPosition::default()));
 
-    for _ in 0..10 {
+    // The first frame starts the clock.
+    for _ in 0..51 {
         app.update();
     }
-    let (time, highest) =
-        (app.world().resource::<Progress>().time, app.world().resource::<Highest>().0);
-    println!("{highest:.4} m/s after {time:.3} s");
-    assert!((time - 0.2).abs() < 1e-12 && (highest - 9.81 * 0.2).abs() < 1e-9);
+    let Shown { frames, increments, speed } = app.world().resource();
+    println!("{frames} frames, {increments} increments, {speed:.4} m/s");
+    let step = app.world().resource::<Time<Fixed>>().timestep();
+    assert_eq!(step, Duration::from_millis(5));
+    assert_eq!((*frames, *increments), (51, 200));
+    assert!((speed - 9.81 * 5.0e-3 * *increments as f64).abs() < 1e-9);
 }

@@ -25,7 +25,7 @@ pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut app = App::new();
     app.add_plugins((ClasticPlugins::default(), ScenePlugin))
         .init_resource::<Broken>()
-        .add_systems(Update, listen.after(Stepping));
+        .add_systems(Update, listen.after(ClasticStepping));
     spawn_scene(app.world_mut(), &loaded.scene, loaded.specimen.as_ref());
 
     // Updates after the last stage make no increment.

@@ -26,7 +26,7 @@ fn height_after(app: &mut App, updates: usize) -> f64 {
     for _ in 0..updates {
         app.update();
     }
-    let mut disks = app.world_mut().query_filtered::<&body::Position, With<Particle>>();
+    let mut disks = app.world_mut().query_filtered::<&BodyPosition, With<Particle>>();
     disks.iter(app.world()).map(|x| x.0.y).sum()
 }
 
@@ -34,7 +34,7 @@ fn height_after(app: &mut App, updates: usize) -> f64 {
 pub fn main() -> Result<(), StateError> {
     let mut app = empty();
     let disk = Particle::disk(0.1, 1.0 / (0.01 * std::f64::consts::PI), 1.0);
-    app.world_mut().spawn((disk, body::Position::default(), Velocity(DVec2::new(0.0, 5.0))));
+    app.world_mut().spawn((disk, BodyPosition::default(), BodyVelocity(DVec2::new(0.0, 5.0))));
     height_after(&mut app, 20);
     let state = WorldState::capture(app.world_mut())?;
     let uninterrupted = height_after(&mut app, 30);

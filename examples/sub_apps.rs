@@ -1,7 +1,7 @@
 //! Several specimens: one `SubApp` each, since a world holds one specimen.
 //!
-//! Three pairs of bonded disks of different stiffness are pulled by 1 um in every update of the main
-//! app. Each carries its stiffness times the elongation.
+//! Three pairs of bonded disks of different stiffness are pulled by 1 um in every update of the
+//! main app. Each carries its stiffness times the elongation.
 
 use bevy_app::{App, AppLabel};
 use bevy_ecs::prelude::*;
@@ -31,8 +31,8 @@ fn specimen(stiffness: f64) -> App {
     };
     let world = app.world_mut();
     let mut disk = |x, pull| {
-        let place = body::Position(DVec2::new(x, 0.0));
-        world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, Drives::imposed(pull))).id()
+        let place = BodyPosition(DVec2::new(x, 0.0));
+        world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, BodyDrives::imposed(pull))).id()
     };
     let (held, pulled) = (disk(0.0, [0.0; 3]), disk(12.0e-3, [1.0e-6, 0.0, 0.0]));
     world.entity_mut(pulled).insert(Pulled);

@@ -25,8 +25,8 @@
 //!     BondLaw { normal_compliance: 1.0 / 8.0e6, tensile_strength: 1.0e4, ..Default::default() };
 //! let world = app.world_mut();
 //! let mut disk = |x, pull| {
-//!     let place = body::Position(DVec2::new(x, 0.0));
-//!     world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, Drives::imposed(pull))).id()
+//!     let place = BodyPosition(DVec2::new(x, 0.0));
+//!     world.spawn((Particle::disk(6.0e-3, 2650.0, 1.0), place, BodyDrives::imposed(pull))).id()
 //! };
 //! let (held, pulled) = (disk(0.0, [0.0; 3]), disk(12.0e-3, [1.0e-6, 0.0, 0.0]));
 //! world.spawn(Bond::between(held, pulled, law));
@@ -66,6 +66,7 @@ use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
 use clastic_systems::energy_ledger::EnergyLedgerPlugin;
 use clastic_systems::gather_bodies::GatherBodiesPlugin;
+use clastic_systems::links::LinksPlugin;
 use clastic_systems::material_names::MaterialNamesPlugin;
 use clastic_systems::membranes::MembranesPlugin;
 use clastic_systems::record::RecordPlugin;
@@ -81,10 +82,15 @@ use clastic_systems::update_state::UpdateStatePlugin;
 /// program.
 ///
 /// The app makes one increment whenever `Update`, or the schedule given to [`new`](Self::new),
-/// runs. [`Running`](systems::stepping::Running) pauses it. `FixedUpdate` runs only in an app with
-/// Bevy's `TimePlugin`, once per time step that has passed; without it no increment is made. An
-/// increment that takes longer than the time step triggers further ones, so that this schedule suits
-/// short increments only.
+/// runs. [`ClasticRunning`](systems::stepping::ClasticRunning) pauses it.
+///
+/// `Update` is the default, and not `FixedPostUpdate` as for the physics of games. A static
+/// increment has no duration; an increment may take longer than the time step, and a fixed schedule
+/// would then ask for ever more of them; and without Bevy's `TimePlugin` a fixed schedule never
+/// runs, so that nothing would move and nothing say so. For a simulation in the time of the clock
+/// give
+/// `ClasticPlugins::new(FixedPostUpdate)`: an increment is then one time step, whose duration
+/// `Analysis` alone has (`Time<Fixed>` follows it), and `Time<Virtual>` makes it faster or slower.
 pub struct ClasticPlugins {
     schedule: InternedScheduleLabel,
 }
@@ -122,6 +128,7 @@ impl PluginGroup for ClasticPlugins {
             .add(ControlWallsPlugin)
             .add(ControlLoadsPlugin)
             .add(MembranesPlugin)
+            .add(LinksPlugin)
             .add(RecordPlugin)
             .add(AnnounceRupturesPlugin)
             .add(AnnounceCollisionsPlugin)
@@ -134,20 +141,22 @@ impl PluginGroup for ClasticPlugins {
 
 /// Types that most embedding programs need.
 ///
-/// Types whose names Bevy or other physics engines also use come with their module:
-/// `body::Position`, `body::Rotation`, `body::Origin`, `body::Group`, `body::Probe`,
-/// `material::Material`.
+/// No name is one of Bevy's or of its usual physics engines. Three that would be come with their
+/// module: `body::Group`, `body::Probe`, `material::Material`.
 pub mod prelude {
     pub use crate::ClasticPlugins;
     pub use crate::components::attempt::{Attempt, IncrementStatus};
     pub use crate::components::body::{
-        AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Velocity,
+        BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
+        BodyVelocity, ExternalForce, LastMotion, LoadControl,
     };
     pub use crate::components::bond::{Bond, BondBroken, BondId, BondState, Rupture, RuptureMode};
-    pub use crate::components::collision::Collision;
+    pub use crate::components::collision::{BodyHit, Collision};
+    pub use crate::components::contact::{BodyTable, ContactTable};
     pub use crate::components::increment::{
         Acceptance, Analysis, AnalysisKind, FrictionLaw, Progress, RuptureRules,
     };
+    pub use crate::components::link::{Link, LinkKind};
     pub use crate::components::loads::TrialLoads;
     pub use crate::components::material::{BondLaw, ContactLaw};
     pub use crate::components::membrane::{Course, Membrane, MembraneShape, Sides};
@@ -159,12 +168,15 @@ pub mod prelude {
     pub use crate::components::{body, material};
     pub use crate::cone::program::{ConeProgram, ConeSolution};
     pub use crate::run::{Outcome, ScenePlugin, Simulation, Step};
+    pub use crate::systems::identities::IdentityTable;
     pub use crate::systems::load_stage::begin_stage;
     pub use crate::systems::schedule::{
-        AttemptSystems, ControlSystems, ControlWalls, Increment, IncrementSystems, Loads,
+        AddTrialLoads, AttemptIncrement, AttemptSystems, ControlSystems, ControlWalls, Increment,
+        IncrementSystems,
     };
     pub use crate::systems::state::WorldState;
     pub use crate::systems::stepping::{
-        Advance, AdvanceSystems, Halted, Running, Stepping, Stopped, StoppedBy,
+        AdvanceIncrement, AdvanceSystems, ClasticHalted, ClasticRunning, ClasticStepping,
+        ClasticStopped, StoppedBy,
     };
 }

@@ -4,12 +4,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::collision::Collision;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::collision::{BodyHit, Collision};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::Progress;
 
-use crate::stepping::{Advance, AdvanceSystems};
+use crate::stepping::{AdvanceIncrement, AdvanceSystems};
 
 /// Adds [`announce_collisions`]. It costs nothing in an app that has not added the message.
 pub struct AnnounceCollisionsPlugin;
@@ -17,7 +17,7 @@ pub struct AnnounceCollisionsPlugin;
 impl Plugin for AnnounceCollisionsPlugin {
     fn build(&self, app: &mut App) {
         app.add_systems(
-            Advance,
+            AdvanceIncrement,
             announce_collisions
                 .run_if(resource_exists::<Messages<Collision>>)
                 .in_set(AdvanceSystems::Announce),
@@ -25,11 +25,11 @@ impl Plugin for AnnounceCollisionsPlugin {
     }
 }
 
-/// Writes a [`Collision`] and triggers it for every pair without a bond that carries a force after
-/// this increment and carried none after the one before.
+/// Writes a [`Collision`], and triggers [`BodyHit`] of both bodies, for every pair without a bond
+/// that carries a force after this increment and carried none after the one before.
 pub fn announce_collisions(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     history: Res<ContactHistory>,
     progress: Res<Progress>,
     mut touching: Local<Vec<(BodyId, BodyId)>>,
@@ -54,7 +54,10 @@ pub fn announce_collisions(
                 force: memory.p,
             };
             messages.write(collision);
-            commands.trigger(collision);
+            let [first, second] = collision.bodies;
+            for (body, other) in [(first, second), (second, first)] {
+                commands.trigger(BodyHit { body, other, collision });
+            }
         }
     }
     // By identity, since rows change when bodies come and go.

@@ -6,8 +6,8 @@ use bevy_ecs::prelude::*;
 use clastic_components::bond::{BondBroken, Rupture};
 use clastic_components::observation::Observation;
 
-use crate::identities::Identities;
-use crate::stepping::{Advance, AdvanceSystems};
+use crate::identities::IdentityTable;
+use crate::stepping::{AdvanceIncrement, AdvanceSystems};
 
 /// Adds [`announce_ruptures`].
 pub struct AnnounceRupturesPlugin;
@@ -17,14 +17,14 @@ impl Plugin for AnnounceRupturesPlugin {
         // Bevy keeps messages until the second update, with `FixedUpdate` that of a whole frame,
         // however many increments were made between them.
         app.add_message::<Rupture>()
-            .add_systems(Advance, announce_ruptures.in_set(AdvanceSystems::Announce));
+            .add_systems(AdvanceIncrement, announce_ruptures.in_set(AdvanceSystems::Announce));
     }
 }
 
 /// Writes a [`Rupture`] message and triggers [`BondBroken`] for every rupture of the increment.
 pub fn announce_ruptures(
     record: Res<Observation>,
-    identities: Res<Identities>,
+    identities: Res<IdentityTable>,
     mut messages: MessageWriter<Rupture>,
     mut commands: Commands,
 ) {

@@ -4,8 +4,8 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, Position, Ramp};
-use clastic_components::contact::Bodies;
+use clastic_components::body::{BodyId, BodyPosition, Ramp};
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::wall::{
     LoadedLength, TableOf, Wall, WallControl, WallDrive, WallName, WallRotation, WallSlide,
@@ -17,7 +17,7 @@ use crate::schedule::{
     ControlSystems, ControlWalls, Increment, IncrementSystems, lap, start_clock,
 };
 use crate::state::RegisterState;
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 use crate::wall_states::{ControlStates, WALL_CONTROL};
 
 /// Adds [`control_walls`] and runs it in every increment.
@@ -47,7 +47,7 @@ impl Plugin for ControlWallsPlugin {
 pub fn control_walls(
     progress: Res<Progress>,
     analysis: Res<Analysis>,
-    geometry: Query<(&Wall, &Position)>,
+    geometry: Query<(&Wall, &BodyPosition)>,
     mut walls: Query<(
         Entity,
         &WallControl,
@@ -81,7 +81,7 @@ pub fn control_walls(
                     Err(_) if geometry.contains(wall) => format!("wall {wall}"),
                     Err(_) => "a removed wall".to_owned(),
                 };
-                commands.insert_resource(Halted(format!(
+                commands.insert_resource(ClasticHalted(format!(
                     "the stress on {} acts on the distance between {} and {}; give it another \
                      control before that wall is removed",
                     name(entity),
@@ -139,7 +139,7 @@ fn ramp([from, to]: [DVec2; 2]) -> Ramp {
 /// Updates the drives of stress-controlled walls in the table. The stress acts on the current
 /// length between the walls, which a followed motion may have changed.
 pub fn renew_stresses<'w>(
-    bodies: &mut Bodies,
+    bodies: &mut BodyTable,
     table_of: impl Fn(Entity) -> Option<&'w WallTable>,
     progress: &Progress,
     analysis: &Analysis,
@@ -181,7 +181,7 @@ pub fn renew_stresses<'w>(
 pub fn loaded_length(
     wall: Entity,
     length: LoadedLength,
-    geometry: &Query<(&Wall, &Position)>,
+    geometry: &Query<(&Wall, &BodyPosition)>,
 ) -> f64 {
     match length {
         LoadedLength::Segment => geometry.get(wall).map_or(0.0, |(w, _)| 2.0 * w.half_length),
@@ -193,7 +193,11 @@ pub fn loaded_length(
 
 /// Distance of the line of `second` from the line of `first`, along the inward normal of `first`
 /// through the middle of `second`, m.
-pub fn wall_distance(first: Entity, second: Entity, geometry: &Query<(&Wall, &Position)>) -> f64 {
+pub fn wall_distance(
+    first: Entity,
+    second: Entity,
+    geometry: &Query<(&Wall, &BodyPosition)>,
+) -> f64 {
     match (geometry.get(first), geometry.get(second)) {
         (Ok((wall, x)), Ok((_, y))) => (y.0 - x.0).dot(wall.inward()),
         _ => 0.0,

@@ -6,13 +6,14 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{
-    AngularVelocity, AppliedLoad, BodyId, Drives, ExternalForce, LastMotion, Origin, Position,
-    Rotation, Velocity,
+    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
+    BodyVelocity, ExternalForce, LastMotion,
 };
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{Bodies, BondRow, WallRow};
+use clastic_components::contact::{BodyTable, BondRow, WallRow};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
+use clastic_components::link::Link;
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
@@ -20,10 +21,11 @@ use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
 
 use crate::check_values::check_values;
+use crate::links;
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 
 /// Name of the [`PeriodicCell`] in a state.
 pub const PERIODIC_CELL: &str = "periodic_cell";
@@ -34,7 +36,7 @@ pub struct GatherBodiesPlugin;
 impl Plugin for GatherBodiesPlugin {
     fn build(&self, app: &mut App) {
         register_bodies(app);
-        app.init_resource::<Bodies>()
+        app.init_resource::<BodyTable>()
             .init_resource::<KeptRows>()
             .init_resource::<ContactHistory>()
             .init_resource::<DraftHistory>()
@@ -45,7 +47,7 @@ impl Plugin for GatherBodiesPlugin {
                         gather_bodies,
                         refuse_small_cells,
                         check_values,
-                        follow_rows.run_if(not(resource_exists::<Halted>)),
+                        follow_rows.run_if(not(resource_exists::<ClasticHalted>)),
                     )
                         .chain()
                         .in_set(IncrementSystems::Gather),
@@ -61,15 +63,15 @@ fn register_bodies(app: &mut App) {
     app.register_component::<BodyId, Particle>("particle")
         .register_component::<BodyId, Wall>("wall")
         .register_component::<BodyId, WallShape>("wall_shape")
-        .register_component::<BodyId, Position>("position")
-        .register_component::<BodyId, Origin>("origin")
-        .register_component::<BodyId, Rotation>("rotation")
-        .register_component::<BodyId, Velocity>("velocity")
-        .register_component::<BodyId, AngularVelocity>("angular_velocity")
+        .register_component::<BodyId, BodyPosition>("position")
+        .register_component::<BodyId, BodyOrigin>("origin")
+        .register_component::<BodyId, BodyRotation>("rotation")
+        .register_component::<BodyId, BodyVelocity>("velocity")
+        .register_component::<BodyId, BodyAngularVelocity>("angular_velocity")
         .register_component::<BodyId, LastMotion>("last_motion")
         .register_component::<BodyId, MaterialIndex>("material")
         .register_component::<BodyId, ContactLaw>("contact_law")
-        .register_component::<BodyId, Drives>("drives")
+        .register_component::<BodyId, BodyDrives>("drives")
         .register_component::<BodyId, AppliedLoad>("applied_load")
         .register_component::<BodyId, Swinging>("swinging")
         .register_component::<BodyId, ExternalForce>("external_force")
@@ -103,13 +105,13 @@ type ParticleQuery<'w, 's> = Query<
         Entity,
         &'static BodyId,
         &'static Particle,
-        &'static Position,
-        &'static Rotation,
-        &'static Velocity,
-        &'static AngularVelocity,
+        &'static BodyPosition,
+        &'static BodyRotation,
+        &'static BodyVelocity,
+        &'static BodyAngularVelocity,
         &'static LastMotion,
         &'static MaterialIndex,
-        &'static Drives,
+        &'static BodyDrives,
         &'static AppliedLoad,
         Has<Swinging>,
     ),
@@ -122,7 +124,7 @@ type WallQuery<'w, 's> = Query<
         Entity,
         &'static BodyId,
         &'static Wall,
-        &'static Position,
+        &'static BodyPosition,
         &'static LastMotion,
         &'static ContactLaw,
         &'static WallControl,
@@ -135,16 +137,17 @@ type WallQuery<'w, 's> = Query<
 type BondQuery<'w, 's> =
     Query<'w, 's, (Entity, &'static BondId, &'static Bond, &'static BondState)>;
 
-/// Fills [`Bodies`] with one row per body: particles by identity, then walls by identity, then
+/// Fills [`BodyTable`] with one row per body: particles by identity, then walls by identity, then
 /// rigid groups by identity.
 ///
 /// A bond with a missing body has no row, nor has one between members of a rigid group.
 pub fn gather_bodies(
-    mut bodies: ResMut<Bodies>,
+    mut bodies: ResMut<BodyTable>,
     particles: ParticleQuery,
     walls: WallQuery,
     groups: GroupQuery,
     bonds: BondQuery,
+    links: Query<(Entity, &Link)>,
     cell: Option<Res<PeriodicCell>>,
 ) {
     let bodies = &mut *bodies;
@@ -153,6 +156,7 @@ pub fn gather_bodies(
     gather_walls(bodies, &walls);
     rigid_groups::gather(bodies, &groups);
     bodies.cell = cell.map(|cell| *cell);
+    links::gather(bodies, &links);
     bodies.broken.clear();
     bodies.drives_stopped = false;
     gather_bonds(bodies, &bonds);
@@ -160,7 +164,7 @@ pub fn gather_bodies(
 
 /// Sets the order of the rows and the lengths of the tables.
 fn number_rows(
-    bodies: &mut Bodies,
+    bodies: &mut BodyTable,
     particles: &ParticleQuery,
     walls: &WallQuery,
     groups: &GroupQuery,
@@ -192,7 +196,7 @@ fn number_rows(
     bodies.swinging.resize(n, false);
 }
 
-fn gather_particles(bodies: &mut Bodies, particles: &ParticleQuery) {
+fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
     for (
         entity,
         id,
@@ -227,7 +231,7 @@ fn gather_particles(bodies: &mut Bodies, particles: &ParticleQuery) {
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 }
 
-fn gather_walls(bodies: &mut Bodies, walls: &WallQuery) {
+fn gather_walls(bodies: &mut BodyTable, walls: &WallQuery) {
     bodies.walls.clear();
     for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in walls {
         let Some(i) = bodies.row(*id) else { continue };
@@ -252,7 +256,7 @@ fn gather_walls(bodies: &mut Bodies, walls: &WallQuery) {
 }
 
 /// Gathers the intact bonds between bodies that can move relative to each other.
-fn gather_bonds(bodies: &mut Bodies, bonds: &BondQuery) {
+fn gather_bonds(bodies: &mut BodyTable, bonds: &BondQuery) {
     let mut rows = std::mem::take(&mut bodies.bonds);
     rows.clear();
     let row = |id: BodyId| bodies.row(id).map(|row| row as u32);
@@ -271,11 +275,11 @@ fn gather_bonds(bodies: &mut Bodies, bonds: &BondQuery) {
 }
 
 /// Halts a run in whose periodic cell two particles could touch twice.
-fn refuse_small_cells(bodies: Res<Bodies>, mut commands: Commands) {
+fn refuse_small_cells(bodies: Res<BodyTable>, mut commands: Commands) {
     let Some(cell) = &bodies.cell else { return };
     let largest = bodies.radii.iter().copied().fold(0.0, f64::max);
     if cell.max_branch() < MIN_CELL * 2.0 * largest {
-        commands.insert_resource(Halted(format!(
+        commands.insert_resource(ClasticHalted(format!(
             "the periodic cell is {:.4e} m wide and {:.4e} m high, less than {} times the maximum \
              diameter: two particles could touch twice; begin with a larger cell and more particles",
             cell.width,
@@ -290,7 +294,7 @@ fn refuse_small_cells(bodies: Res<Bodies>, mut commands: Commands) {
 const MIN_CELL: f64 = 1.25;
 
 /// Records the new rows of persistent tables.
-pub fn follow_rows(bodies: Res<Bodies>, mut kept: ResMut<KeptRows>) {
+pub fn follow_rows(bodies: Res<BodyTable>, mut kept: ResMut<KeptRows>) {
     if kept.ids != bodies.ids || kept.is_needed() || kept.has_changed() {
         kept.follow(&bodies);
     }

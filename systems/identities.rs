@@ -18,7 +18,7 @@ pub const NEXT_IDENTITIES: &str = "identities.next";
 /// Component hooks update this resource.
 #[derive(Resource, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Identities {
+pub struct IdentityTable {
     pub(crate) bodies: Register,
     pub(crate) bonds: Register,
 }
@@ -71,7 +71,7 @@ pub struct NextIdentities {
     pub bond: u32,
 }
 
-impl Identities {
+impl IdentityTable {
     /// Entity of a body; `None` if the identity is not in use.
     #[must_use]
     pub fn body(&self, id: BodyId) -> Option<Entity> {
@@ -100,7 +100,7 @@ impl Identities {
 /// Removes the bodies and bonds whose identities these, or later ones, are: they have come since
 /// these were the next.
 pub fn go_back(world: &mut World, next: NextIdentities) {
-    let identities = world.get_resource_or_init::<Identities>();
+    let identities = world.get_resource_or_init::<IdentityTable>();
     let since = |register: &Register, next: u32| -> Vec<Entity> {
         (next..register.next).filter_map(|id| register.owners.get(&id).copied()).collect()
     };
@@ -111,7 +111,7 @@ pub fn go_back(world: &mut World, next: NextIdentities) {
         world.despawn(entity);
     }
     world.flush();
-    let mut identities = world.resource_mut::<Identities>();
+    let mut identities = world.resource_mut::<IdentityTable>();
     identities.bodies.next = next.body;
     identities.bonds.next = next.bond;
 }

@@ -4,7 +4,7 @@
 //! the motion keeps its velocities; when it falls it has passed an equilibrium, and the velocities
 //! are set to zero (Cundall 1982, "Adaptive density-scaling for time-explicit calculations").
 
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::motion::Motion;
 
 use crate::motion_settings::MotionSettings;
@@ -12,7 +12,7 @@ use crate::motion_settings::MotionSettings;
 /// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen:
 /// it has the mass of all grains, as a group with walls does.
 #[must_use]
-pub fn relative_masses(bodies: &Bodies) -> Vec<[f64; 2]> {
+pub fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
     let n = bodies.particles;
     let mean = bodies.masses.iter().sum::<f64>() / n.max(1) as f64;
     let mut masses = vec![[n.max(1) as f64, 0.0]; bodies.positions.len()];

@@ -17,6 +17,7 @@ pub mod event_search;
 pub mod gather_bodies;
 pub mod identities;
 pub mod kinetic_damping;
+pub mod links;
 pub mod load_stage;
 pub mod material_names;
 pub mod measures;

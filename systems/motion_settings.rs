@@ -1,7 +1,7 @@
 //! Settings of followed motions: every number that steers
 //! [`attempt::motion`](crate::attempt::motion) and [`kinetic_damping`](crate::kinetic_damping).
 //!
-//! Travels are of the furthest grain about the mean field, in its radii. Weights are those of
+//! Travels are of the furthest grain ([`travel`](crate::travel)), in its radii. Weights are those of
 //! [`Motion::weight`](clastic_components::motion::Motion::weight), without dimension: a small
 //! weight is a long step.
 

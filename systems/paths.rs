@@ -16,8 +16,8 @@
 //! increment and dissipates `m (1 - e^2) w_0^2/2`, whatever the loads. If a pair of the program
 //! would overlap by these paths, both bodies move by `dt v`.
 
-use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contact, Contacts, WallRow};
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::{BodyTable, Contact, ContactTable, WallRow};
 use clastic_components::findings::Impacts;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
@@ -40,8 +40,8 @@ enum Path {
 /// Displacements by body in the axes of the body; `None` if no contact has restitution.
 #[must_use]
 pub fn paths(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     analysis: &Analysis,
     acceptance: &Acceptance,
     progress: &Progress,
@@ -68,7 +68,7 @@ pub fn paths(
 
 /// A dynamic increment and its solution.
 struct Step<'a> {
-    bodies: &'a Bodies,
+    bodies: &'a BodyTable,
     program: &'a ConeProgram,
     solution: &'a ConeSolution,
     impacts: &'a Impacts,
@@ -123,7 +123,7 @@ impl Step<'_> {
             let share = if is_carried { self.impacts.end_share } else { self.theta };
             let v_0 = bodies.velocities[row];
             let v_0 = [v_0.x, v_0.y, bodies.angular_velocities[row]];
-            for k in (0..3).filter(|k| group.drives[*k] == Drive::Free) {
+            for k in (0..3).filter(|k| group.drives[*k] == BodyDrive::Free) {
                 out[row][k] = share * out[row][k] + (1.0 - share) * v_0[k] * self.dt;
             }
         }
@@ -133,7 +133,7 @@ impl Step<'_> {
     /// any other displacement has changed by that.
     fn end_overlaps(
         &self,
-        contacts: &Contacts,
+        contacts: &ContactTable,
         allowed: f64,
         kinds: &mut [Path],
         out: &mut [[f64; 3]],

@@ -7,9 +7,11 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
-use clastic_components::body::{BodyId, ExternalForce, Origin, Position, Probe, Rotation};
+use clastic_components::body::{
+    BodyId, BodyOrigin, BodyPosition, BodyRotation, ExternalForce, Probe,
+};
 use clastic_components::bond::BondState;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
 use clastic_components::measure::{
@@ -54,9 +56,9 @@ impl Plugin for RecordPlugin {
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
             Increment,
             (
-                // Stress refers to the geometry at the start of the increment, which `Bodies` still
-                // holds. Readers of the record need the geometry at its end, so `Bodies` is
-                // gathered again.
+                // Stress refers to the geometry at the start of the increment, which `BodyTable`
+                // still holds. Readers of the record need the geometry at its end, so `BodyTable`
+                // is gathered again.
                 (record_stress, read_start),
                 gather_bodies,
                 renew_shapes,
@@ -120,8 +122,8 @@ fn record_strain(tables: StrainTables, measures: Res<Measures>, mut out: ResMut<
 
 /// Records counters, residuals, energy and status.
 fn record_state(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     progress: Res<Progress>,
@@ -189,9 +191,9 @@ fn record_probes(
     probes: Query<(
         &BodyId,
         &Probe,
-        &Position,
-        &Origin,
-        Option<&Rotation>,
+        &BodyPosition,
+        &BodyOrigin,
+        Option<&BodyRotation>,
         Option<&WallRotation>,
         &ExternalForce,
         Option<&ContactForce>,

@@ -3,15 +3,17 @@
 use bevy_app::{App, Plugin};
 
 use clastic_components::{
-    attempt, body, bond, collision, contact, contact_history, energy, findings, increment, loads,
-    material, measure, membrane, observation, particle, rigid_group, step_control, wall,
+    attempt, body, bond, collision, contact, contact_history, energy, findings, increment, link,
+    loads, material, measure, membrane, observation, particle, rigid_group, step_control, wall,
     wall_shape,
 };
 use clastic_cone::program;
 
-use crate::identities::Identities;
+use crate::identities::IdentityTable;
 use crate::motion_settings::MotionSettings;
-use crate::stepping::{Due, Halted, Running, Stopped, Undone};
+use crate::stepping::{
+    ClasticHalted, ClasticRunning, ClasticStopped, IncrementDue, IncrementUndone,
+};
 
 /// Registers the components and resources of the engine, so that inspectors and scripts can show
 /// and set them by name. `clastic::ClasticPlugins` contains it if the feature `reflect` is on.
@@ -29,29 +31,32 @@ impl Plugin for ReflectPlugin {
         register!(
             app,
             attempt::Attempt,
-            body::BodyId,
-            body::Position,
-            body::Origin,
-            body::Rotation,
-            body::Velocity,
-            body::AngularVelocity,
+            BodyId,
+            BodyPosition,
+            BodyOrigin,
+            BodyRotation,
+            BodyVelocity,
+            BodyAngularVelocity,
             body::LastMotion,
-            body::Drives,
+            BodyDrives,
             body::AppliedLoad,
             body::LoadControl,
             body::ExternalForce,
             body::Probe,
             body::Group,
+            link::Link,
+            link::LinkBetween,
             bond::BondId,
             bond::Bond,
             bond::Joint,
             bond::BondState,
             bond::BondBroken,
             bond::Rupture,
+            collision::BodyHit,
             collision::Collision,
-            contact::Bodies,
+            contact::BodyTable,
             contact_history::KeptRows,
-            contact::Contacts,
+            contact::ContactTable,
             contact_history::DraftHistory,
             contact_history::ContactHistory,
             energy::EnergyLedger,
@@ -66,7 +71,7 @@ impl Plugin for ReflectPlugin {
             findings::Restraints,
             findings::Centre,
             findings::BestUnconverged,
-            Identities,
+            IdentityTable,
             increment::Analysis,
             increment::FrictionLaw,
             increment::RuptureRules,
@@ -102,11 +107,11 @@ impl Plugin for ReflectPlugin {
             program::ConeProgram,
             program::ConeSolution,
             MotionSettings,
-            Due,
-            Halted,
-            Running,
-            Stopped,
-            Undone,
+            IncrementDue,
+            ClasticHalted,
+            ClasticRunning,
+            ClasticStopped,
+            IncrementUndone,
         );
     }
 }
@@ -126,7 +131,7 @@ mod tests {
     fn a_position_is_read_and_set_by_name() -> Result<(), Box<dyn std::error::Error>> {
         let mut app = App::new();
         app.add_plugins(ReflectPlugin);
-        let disk = app.world_mut().spawn(body::Position(DVec2::new(1.0, 2.0))).id();
+        let disk = app.world_mut().spawn(BodyPosition(DVec2::new(1.0, 2.0))).id();
         let registry = app.world().resource::<AppTypeRegistry>().clone();
         let registry = registry.read();
         let known = registry.get_with_type_path("clastic_components::body::Position");
@@ -143,7 +148,7 @@ mod tests {
         let mut moved = DynamicTupleStruct::default();
         moved.insert(DVec2::new(3.0, 4.0));
         by_name.apply(app.world_mut().entity_mut(disk), &moved);
-        assert_eq!(app.world().get(disk), Some(&body::Position(DVec2::new(3.0, 4.0))));
+        assert_eq!(app.world().get(disk), Some(&BodyPosition(DVec2::new(3.0, 4.0))));
         Ok(())
     }
 }

@@ -4,8 +4,8 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{AppliedLoad, BodyId, Drives, LastMotion, Position};
-use clastic_components::contact::Bodies;
+use clastic_components::body::{AppliedLoad, BodyDrives, BodyId, BodyPosition, LastMotion};
+use clastic_components::contact::BodyTable;
 use clastic_components::rigid_group::{GroupRow, RigidGroup};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -17,9 +17,9 @@ pub type GroupQuery<'w, 's> = Query<
         Entity,
         &'static BodyId,
         &'static RigidGroup,
-        &'static Position,
+        &'static BodyPosition,
         &'static LastMotion,
-        &'static Drives,
+        &'static BodyDrives,
         &'static AppliedLoad,
     ),
 >;
@@ -27,7 +27,7 @@ pub type GroupQuery<'w, 's> = Query<
 /// Fills the rows of the groups from those of the particles. The state of motion of a group follows
 /// from its members: their centre of mass, and a velocity and spin with their linear and angular
 /// momentum.
-pub fn gather(bodies: &mut Bodies, groups: &GroupQuery) {
+pub fn gather(bodies: &mut BodyTable, groups: &GroupQuery) {
     bodies.groups.clear();
     bodies.group_of.clear();
     if bodies.group_count == 0 {
@@ -154,14 +154,14 @@ impl State {
 }
 
 /// Run condition: there are rigid groups.
-pub fn has_groups(bodies: Res<Bodies>) -> bool {
+pub fn has_groups(bodies: Res<BodyTable>) -> bool {
     !bodies.groups.is_empty()
 }
 
 /// Writes the displacements of members into the solution of the program, which has those of the
 /// groups. A mechanism is a motion to first order.
 pub fn carry_members(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
 ) {
@@ -181,7 +181,7 @@ pub fn carry_members(
 }
 
 /// Sets the displacements of members to those that follow from the displacements of their groups.
-pub fn carry(bodies: &Bodies, displacements: &mut [[f64; 3]]) {
+pub fn carry(bodies: &BodyTable, displacements: &mut [[f64; 3]]) {
     for group in &bodies.groups {
         let u = displacements[group.body as usize];
         for i in group.members.iter().map(|i| *i as usize) {

@@ -11,7 +11,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
@@ -62,7 +62,7 @@ pub fn find_ruptures(
     rules: &RuptureRules,
     met: Met,
     increment: u64,
-    bodies: &Bodies,
+    bodies: &BodyTable,
     contacts: &[Contact],
     program: &ConeProgram,
     solution: &ConeSolution,
@@ -87,7 +87,7 @@ pub fn find_ruptures(
 #[must_use]
 pub fn rupture(
     increment: u64,
-    bodies: &Bodies,
+    bodies: &BodyTable,
     contact: &Contact,
     [p, q, tau]: &[f64; 3],
     mode: RuptureMode,
@@ -268,8 +268,8 @@ fn mode(
 /// force that friction can carry.
 pub fn rupture_bonds(
     ruptures: Res<Ruptures>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     materials: Res<Materials>,
     analysis: Res<Analysis>,
     mut history: ResMut<ContactHistory>,
@@ -295,8 +295,8 @@ pub fn rupture_bonds(
 /// elastically, to what friction can carry.
 pub fn release<'a>(
     ruptures: impl Iterator<Item = &'a Rupture>,
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     materials: &Materials,
     analysis: &Analysis,
     history: &mut ContactHistory,

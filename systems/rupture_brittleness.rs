@@ -4,7 +4,7 @@
 //! neighbours follow. A bond of cemented sand that shears under a confining stress keeps normal
 //! force and friction: it releases its cohesion, which is small beside the forces around it.
 
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::Analysis;
 use clastic_components::material::Materials;
 
@@ -14,7 +14,7 @@ use crate::assemble_program::interactions::contact_law;
 #[derive(Clone, Copy)]
 pub struct Laws<'a> {
     /// Bodies of the contacts.
-    pub bodies: &'a Bodies,
+    pub bodies: &'a BodyTable,
     /// Contact laws of their materials.
     pub materials: &'a Materials,
     /// Kind of analysis.
@@ -70,7 +70,7 @@ mod tests {
         let contact_law = ContactLaw { friction: 0.5, ..ContactLaw::default() };
         let material = Material { contact: contact_law, ..Material::default() };
         let materials = Materials(vec![material]);
-        let bodies = Bodies { particles: 2, materials: vec![0, 0], ..Bodies::default() };
+        let bodies = BodyTable { particles: 2, materials: vec![0, 0], ..BodyTable::default() };
         let laws = Laws { bodies: &bodies, materials: &materials, analysis: &Analysis::default() };
         brittleness(due, &[contact(0.0), contact(0.0), contact(1e-6)], forces, laws)
     }

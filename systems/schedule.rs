@@ -7,8 +7,8 @@
 //!                    -> Record
 //!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
 //!   Attempts runs    AttemptIncrement, repeated until an attempt is accepted:
-//!                    Detect -> Assemble -> AssembleExtra -> Solve -> Judge
-//!                    and Loads whenever a trial begins
+//!                    Detect -> Assemble -> AssembleExtra -> Balance -> Solve -> Judge
+//!                    and AddTrialLoads whenever a trial begins
 //! ```
 //!
 //! Attempts read and write tables that are gathered once per increment. Bodies, walls, bonds and
@@ -28,7 +28,7 @@ use clastic_components::increment::{Analysis, Progress};
 use clastic_components::observation::Timings;
 
 use crate::state::RegisterState;
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 
 /// One increment.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -46,11 +46,11 @@ pub struct ControlWalls;
 /// Collects loads of an embedding program. It runs once per trial: for every tried fraction of an
 /// increment and after every step of a followed motion. Its systems add to
 /// [`TrialLoads`](clastic_components::loads::TrialLoads). They may read the initial state of the
-/// trial from [`Bodies`](clastic_components::contact::Bodies), while entities keep the last
+/// trial from [`BodyTable`](clastic_components::contact::BodyTable), while entities keep the last
 /// committed state. The trial ends at `done + fraction` of
 /// [`Progress`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Loads;
+pub struct AddTrialLoads;
 
 /// The parts of an increment that do not run if the world is halted before them.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -62,7 +62,8 @@ pub enum IncrementSystems {
     /// Computes drives of walls and loads of particles for the next increment.
     Controls,
     /// Gathers bodies, bonds, controls and contact memory into tables in the order of identities,
-    /// and checks their values. The sets after it do not run if the world is [`Halted`] by then.
+    /// and checks their values. The sets after it do not run if the world is [`ClasticHalted`] by
+    /// then.
     Gather,
     /// Updates the rows of persistent tables. Runs only if rows have changed.
     Renumber,
@@ -83,10 +84,13 @@ pub enum IncrementSystems {
 pub enum AttemptSystems {
     /// Finds potential contacts.
     Detect,
-    /// Assembles the cone program.
+    /// Fills the interactions of [`ConeProgram`](clastic_cone::program::ConeProgram).
     Assemble,
-    /// Adds rows of an embedding program to [`ConeProgram`](clastic_cone::program::ConeProgram).
+    /// Systems of an embedding program that change these interactions, or append others.
     AssembleExtra,
+    /// Fills the rows of the bodies. Every degree of freedom on which an interaction acts is free,
+    /// unless a drive imposes its motion.
+    Balance,
     /// Solves the program.
     Solve,
     /// Accepts the attempt, tries again, or rejects it.
@@ -100,7 +104,7 @@ pub enum ControlSystems {
     BuiltIn,
     /// Boundary conditions of an embedding program. Its systems write
     /// [`WallDrive`](clastic_components::wall::WallDrive) or
-    /// [`Drives`](clastic_components::body::Drives).
+    /// [`BodyDrives`](clastic_components::body::BodyDrives).
     Custom,
 }
 
@@ -163,7 +167,7 @@ impl Plugin for SchedulePlugin {
         edit(Increment.intern(), |schedule| {
             // The condition of a set is evaluated once, before its first system: what begins after
             // `Gather` is finished, even if a later system halts the world.
-            schedule.configure_sets(AfterGather.run_if(not(resource_exists::<Halted>)));
+            schedule.configure_sets(AfterGather.run_if(not(resource_exists::<ClasticHalted>)));
             schedule.configure_sets(
                 (
                     IncrementSystems::Renumber,
@@ -195,6 +199,7 @@ impl Plugin for SchedulePlugin {
                     AttemptSystems::Detect,
                     AttemptSystems::Assemble,
                     AttemptSystems::AssembleExtra,
+                    AttemptSystems::Balance,
                     AttemptSystems::Solve,
                     AttemptSystems::Judge,
                 )
@@ -204,6 +209,6 @@ impl Plugin for SchedulePlugin {
         edit(ControlWalls.intern(), |schedule| {
             schedule.configure_sets((ControlSystems::BuiltIn, ControlSystems::Custom).chain());
         });
-        edit(Loads.intern(), |_| {});
+        edit(AddTrialLoads.intern(), |_| {});
     }
 }

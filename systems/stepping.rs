@@ -1,7 +1,7 @@
-//! Repeated increments: the `Advance` schedule, and when the app runs it.
+//! Repeated increments: the `AdvanceIncrement` schedule, and when the app runs it.
 //!
 //! ```text
-//! Advance:   Begin -> Increment -> End -> Announce -> Output
+//! AdvanceIncrement:   Begin -> Increment -> End -> Announce -> Output
 //!   Begin    work before the increment: stages end and begin
 //!   Increment    runs the Increment schedule, if one is due
 //!   End      status of the increment, and whether the stage continues
@@ -9,16 +9,22 @@
 //!   Output   results are written
 //! ```
 
-use bevy_app::{App, Plugin, Update};
+use std::time::Duration;
+
+use bevy_app::{
+    App, FixedFirst, FixedLast, FixedPostUpdate, FixedPreUpdate, FixedUpdate, Plugin,
+    RunFixedMainLoop, RunFixedMainLoopSystems, Update,
+};
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
+use bevy_time::{Fixed, Time};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::increment::Progress;
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
 
 use crate::attempt::proof::proof;
@@ -26,12 +32,12 @@ use crate::schedule::Increment;
 
 /// One increment with the work before and after it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Advance;
+pub struct AdvanceIncrement;
 
-/// Sets of [`Advance`], in order.
+/// Sets of [`AdvanceIncrement`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AdvanceSystems {
-    /// Work before the increment. Sets [`Due`].
+    /// Work before the increment. Sets [`IncrementDue`].
     Begin,
     /// The increment.
     Increment,
@@ -43,28 +49,28 @@ pub enum AdvanceSystems {
     Output,
 }
 
-/// Whether [`Advance`] makes an increment.
+/// Whether [`AdvanceIncrement`] makes an increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Due(pub bool);
+pub struct IncrementDue(pub bool);
 
-impl Default for Due {
+impl Default for IncrementDue {
     fn default() -> Self {
         Self(true)
     }
 }
 
-/// Whether the increment has been undone. [`advance`] then runs [`Advance`] again.
+/// Whether the increment has been undone. [`advance`] then runs [`AdvanceIncrement`] again.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Undone(pub bool);
+pub struct IncrementUndone(pub bool);
 
-/// Runs [`Advance`] to the end of an increment that stays. A system that undoes one sets
-/// [`Undone`], and sets [`Due`] to false so that no output is written.
+/// Runs [`AdvanceIncrement`] to the end of an increment that stays. A system that undoes one sets
+/// [`IncrementUndone`], and sets [`IncrementDue`] to false so that no output is written.
 pub fn advance(world: &mut World) {
     loop {
-        world.run_schedule(Advance);
-        if !std::mem::take(&mut world.resource_mut::<Undone>().0) {
+        world.run_schedule(AdvanceIncrement);
+        if !std::mem::take(&mut world.resource_mut::<IncrementUndone>().0) {
             break;
         }
     }
@@ -74,7 +80,7 @@ pub fn advance(world: &mut World) {
 /// particles makes no increment.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub enum Running {
+pub enum ClasticRunning {
     /// One increment per run of the schedule.
     #[default]
     Always,
@@ -83,8 +89,8 @@ pub enum Running {
     /// No increments.
     Paused,
     /// No increments, because the next one would be the last one again, or because the world is
-    /// [`Halted`]. The message [`Stopped`] has the reason. After you have changed what made the
-    /// increment fail, insert another `Running`.
+    /// [`ClasticHalted`]. The message [`ClasticStopped`] has the reason. After you have changed
+    /// what made the increment fail, insert another `ClasticRunning`.
     Stopped(StoppedBy),
 }
 
@@ -96,7 +102,7 @@ pub enum StoppedBy {
     Collapsed,
     /// Neither an equilibrium nor a collapse was found. Nothing was committed.
     Undecided,
-    /// The world has the resource [`Halted`].
+    /// The world has the resource [`ClasticHalted`].
     Halted,
     /// All stages of the scene have ended.
     Completed,
@@ -104,10 +110,11 @@ pub enum StoppedBy {
     Refused,
 }
 
-/// Message, and event for observers, of the app when it stops by itself, and [`Running`] becomes [`Running::Stopped`].
+/// Message, and event for observers, of the app when it stops by itself, and [`ClasticRunning`]
+/// becomes [`ClasticRunning::Stopped`].
 #[derive(Message, Event, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub struct Stopped {
+pub struct ClasticStopped {
     /// What has stopped it.
     pub by: StoppedBy,
     /// Number of the last increment.
@@ -122,7 +129,7 @@ pub struct Stopped {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct EndOfRun(pub Option<(StoppedBy, String)>);
 
-impl Running {
+impl ClasticRunning {
     /// Whether the app may make another increment.
     fn may_go_on(self) -> bool {
         !matches!(self, Self::Times(0) | Self::Paused | Self::Stopped(_))
@@ -139,17 +146,19 @@ impl Running {
 /// The set of the system that makes increments, in the schedule of the app: order your own systems
 /// before or after it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub struct Stepping;
+pub struct ClasticStepping;
 
 /// Why the run has stopped. No increment is made while the world has this resource.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Halted(
+pub struct ClasticHalted(
     /// What happened.
     pub String,
 );
 
-/// Adds [`Advance`] and runs it whenever `schedule` runs and [`Running`] allows it.
+/// Adds [`AdvanceIncrement`] and runs it whenever `schedule` runs and [`ClasticRunning`] allows it.
+/// In one of Bevy's fixed schedules an increment is one time step: `Time<Fixed>` follows `dt` of
+/// the [`Analysis`].
 pub struct SteppingPlugin {
     /// The schedule of the app that makes increments.
     pub schedule: InternedScheduleLabel,
@@ -165,7 +174,7 @@ impl Plugin for SteppingPlugin {
     fn build(&self, app: &mut App) {
         // The schedule is edited and not added: a plugin that was added before this one may have
         // systems in it.
-        app.edit_schedule(Advance, |advance| {
+        app.edit_schedule(AdvanceIncrement, |advance| {
             advance.set_build_settings(ScheduleBuildSettings {
                 ambiguity_detection: LogLevel::Error,
                 hierarchy_detection: LogLevel::Error,
@@ -174,7 +183,7 @@ impl Plugin for SteppingPlugin {
             advance.set_executor(SingleThreadedExecutor::new());
             advance.configure_sets(
                 (
-                    AdvanceSystems::Begin.run_if(not(resource_exists::<Halted>)),
+                    AdvanceSystems::Begin.run_if(not(resource_exists::<ClasticHalted>)),
                     AdvanceSystems::Increment.run_if(is_due),
                     AdvanceSystems::End.run_if(is_due),
                     AdvanceSystems::Announce.run_if(is_due),
@@ -184,16 +193,42 @@ impl Plugin for SteppingPlugin {
             );
             advance.add_systems(increment.in_set(AdvanceSystems::Increment));
         });
-        app.init_resource::<Due>()
-            .init_resource::<Undone>()
-            .init_resource::<Running>()
-            .add_message::<Stopped>()
-            .add_systems(self.schedule, step.in_set(Stepping));
+        app.init_resource::<IncrementDue>()
+            .init_resource::<IncrementUndone>()
+            .init_resource::<ClasticRunning>()
+            .add_message::<ClasticStopped>()
+            .add_systems(self.schedule, step.in_set(ClasticStepping));
+        let fixed = [
+            FixedFirst.intern(),
+            FixedPreUpdate.intern(),
+            FixedUpdate.intern(),
+            FixedPostUpdate.intern(),
+            FixedLast.intern(),
+        ];
+        if fixed.contains(&self.schedule) {
+            app.add_systems(
+                RunFixedMainLoop,
+                follow_time_step
+                    .run_if(resource_exists::<Time<Fixed>>)
+                    .in_set(RunFixedMainLoopSystems::BeforeFixedMainLoop),
+            );
+        }
     }
 }
 
-/// Run condition: [`Advance`] makes an increment, and nothing has halted it.
-pub fn is_due(due: Res<Due>, halted: Option<Res<Halted>>) -> bool {
+/// Gives Bevy's fixed schedules the time step of a dynamic analysis, which has it alone. In
+/// statics, where increments have no duration, the app chooses how many it wants per second.
+fn follow_time_step(analysis: Res<Analysis>, mut time: ResMut<Time<Fixed>>) {
+    let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
+    // Others are refused when the increment begins.
+    let step = Duration::try_from_secs_f64(dt).unwrap_or_default();
+    if step != Duration::ZERO && step != time.timestep() {
+        time.set_timestep(step);
+    }
+}
+
+/// Run condition: [`AdvanceIncrement`] makes an increment, and nothing has halted it.
+pub fn is_due(due: Res<IncrementDue>, halted: Option<Res<ClasticHalted>>) -> bool {
     due.0 && halted.is_none()
 }
 
@@ -202,30 +237,31 @@ fn increment(world: &mut World) {
     world.run_schedule(Increment);
 }
 
-/// Makes an increment if the app is [`Running`] and has particles. Exclusive, because it runs a
-/// schedule.
+/// Makes an increment if the app is [`ClasticRunning`] and has particles. Exclusive, because it
+/// runs a schedule.
 fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
-    // `QueryState::is_empty` looks only at the archetypes that it knows, and it learns of no new ones.
+    // `QueryState::is_empty` looks only at the archetypes that it knows, and it learns of no new
+    // ones.
     let is_empty = particles.iter(world).next().is_none();
-    if is_empty || !world.resource::<Running>().may_go_on() {
+    if is_empty || !world.resource::<ClasticRunning>().may_go_on() {
         return;
     }
     let before = world.resource::<Progress>().increment;
     advance(world);
     let increment = world.resource::<Progress>().increment;
     if let Some((by, reason)) = obstacle(world, increment != before) {
-        world.insert_resource(Running::Stopped(by));
-        let stopped = Stopped { by, increment, reason };
+        world.insert_resource(ClasticRunning::Stopped(by));
+        let stopped = ClasticStopped { by, increment, reason };
         world.write_message(stopped.clone());
         world.trigger(stopped);
     } else if increment != before {
-        world.resource_mut::<Running>().made_one();
+        world.resource_mut::<ClasticRunning>().made_one();
     }
 }
 
 /// What keeps the app from going on. `tried` is whether it has just tried an increment.
 fn obstacle(world: &World, tried: bool) -> Option<(StoppedBy, String)> {
-    if let Some(Halted(reason)) = world.get_resource::<Halted>() {
+    if let Some(ClasticHalted(reason)) = world.get_resource::<ClasticHalted>() {
         return Some((StoppedBy::Halted, reason.clone()));
     }
     if let Some(EndOfRun(end)) = world.get_resource::<EndOfRun>() {

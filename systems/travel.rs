@@ -6,7 +6,7 @@
 //! factor [`WAY`], without load as a whole. The way is that beyond the greatest imposed motion, since
 //! bodies move with what drives them.
 
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::assemble_program::scales::maximum_imposed;
@@ -20,8 +20,8 @@ const WAY: f64 = 0.3;
 /// none.
 #[must_use]
 pub fn furthest(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Option<(usize, f64)> {

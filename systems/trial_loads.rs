@@ -1,5 +1,5 @@
-//! Loads of an embedding program. The [`Loads`] schedule collects them once per trial: for every
-//! tried fraction of an increment and after every step of a followed motion.
+//! Loads of an embedding program. The [`AddTrialLoads`] schedule collects them once per trial: for
+//! every tried fraction of an increment and after every step of a followed motion.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -7,8 +7,8 @@ use bevy_ecs::prelude::*;
 use clastic_components::loads::TrialLoads;
 
 use crate::check_values::refused_load;
-use crate::schedule::Loads;
-use crate::stepping::Halted;
+use crate::schedule::AddTrialLoads;
+use crate::stepping::ClasticHalted;
 
 /// Adds [`TrialLoads`]. Systems that only add to it may run in any order, because its sums do not
 /// depend on the order.
@@ -21,11 +21,11 @@ impl Plugin for TrialLoadsPlugin {
     }
 }
 
-/// Runs [`Loads`] on an empty table. A load without a meaning halts the world.
+/// Runs [`AddTrialLoads`] on an empty table. A load without a meaning halts the world.
 pub fn ask_for_loads(world: &mut World) {
     world.resource_mut::<TrialLoads>().clear();
-    world.run_schedule(Loads);
+    world.run_schedule(AddTrialLoads);
     if let Some(message) = refused_load(world.resource(), world.resource()) {
-        world.insert_resource(Halted(message));
+        world.insert_resource(ClasticHalted(message));
     }
 }

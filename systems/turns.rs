@@ -9,11 +9,13 @@
 //! |t . (u_b - u_a)| / |x|                              rad
 //! ```
 //!
-//! At a wall the normal turns with the wall.
+//! At a wall the normal turns with the wall, and at an arc or an end of a wall with x to the centre of
+//! the circle.
 
-use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::increment::Acceptance;
+use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use glam::DVec2;
 
@@ -37,8 +39,8 @@ const UNSUPPORTED: f64 = 5.0;
 /// The grain with the maximum turn, and this turn, rad.
 #[must_use]
 pub fn furthest(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Option<(usize, f64)> {
@@ -49,8 +51,8 @@ pub fn furthest(
 /// The grain with the maximum turn, if it exceeds [`Acceptance::turn`], and this turn, rad.
 #[must_use]
 pub fn too_far(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
     acceptance: &Acceptance,
@@ -58,10 +60,10 @@ pub fn too_far(
     furthest(bodies, contacts, program, solution).filter(|(_, turn)| !(*turn <= acceptance.turn))
 }
 
-/// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the specimen
-/// bends; where a contact turns, a grain jumps to other support.
+/// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the
+/// specimen bends; where a contact turns, a grain jumps to other support.
 #[must_use]
-pub fn of_bonded(bodies: &Bodies, (grain, turn): (usize, f64)) -> Option<f64> {
+pub fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
     let is_bonded = bodies.bonds.iter().any(|bond| [bond.a, bond.b].contains(&(grain as u32)));
     is_bonded.then_some(turn)
 }
@@ -69,8 +71,8 @@ pub fn of_bonded(bodies: &Bodies, (grain, turn): (usize, f64)) -> Option<f64> {
 /// Whether a solution moves grains so far that they lack support.
 #[must_use]
 pub fn is_unsupported(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> bool {
@@ -78,14 +80,14 @@ pub fn is_unsupported(
         && furthest(bodies, contacts, program, solution).is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }
 
-/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain without
-/// any has the minimum turn of its pairs, since it may lie on any of them, and a grain without pairs
-/// or with an imposed motion has none. A member of a rigid group turns by at least as much as the
-/// group.
+/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain
+/// without any has the minimum turn of its pairs, since it may lie on any of them, and a grain
+/// without pairs or with an imposed motion has none. A member of a rigid group turns by at least as
+/// much as the group.
 #[must_use]
 pub fn turns(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Vec<f64> {
@@ -104,8 +106,8 @@ pub fn turns(
 }
 
 /// Whether a grain has an imposed motion, alone or with its rigid group.
-pub(crate) fn is_imposed(bodies: &Bodies, i: usize) -> bool {
-    let imposes = |d: &Drive| matches!(d, Drive::Imposed(_));
+pub(crate) fn is_imposed(bodies: &BodyTable, i: usize) -> bool {
+    let imposes = |d: &BodyDrive| matches!(d, BodyDrive::Imposed(_));
     bodies.drives[i][..2].iter().any(imposes)
         || bodies.group(i).is_some_and(|group| group.drives.iter().any(imposes))
 }
@@ -120,8 +122,8 @@ pub(crate) struct PairTurns {
 
 /// Turns of the pairs of each grain.
 pub(crate) fn of_pairs(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> PairTurns {
@@ -142,16 +144,30 @@ pub(crate) fn of_pairs(
     PairTurns { loaded, nearest }
 }
 
-/// Angle by which a solution turns the normal of a contact, to first order, rad.
-fn turn(bodies: &Bodies, program: &ConeProgram, u: &[[f64; 3]], contact: &Contact) -> f64 {
-    let [a, b] = [contact.a as usize, contact.b as usize];
-    if b >= bodies.particles {
-        return u[b][2].abs();
+/// Vector from a particle to the centre of the circle of the wall that it touches, m; `None` where
+/// the wall is straight.
+fn centre_of_curve(bodies: &BodyTable, contact: &Contact) -> Option<DVec2> {
+    let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
+    let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
+    let to_wall = bodies.positions[contact.b as usize] - bodies.positions[contact.a as usize];
+    match wall.nearest(to_wall, DVec2::ZERO).curve {
+        Curve::Round(centre) | Curve::Hollow(centre) => Some(to_wall + centre),
+        Curve::Flat => None,
     }
+}
+
+/// Angle by which a solution turns the normal of a contact, to first order, rad.
+fn turn(bodies: &BodyTable, program: &ConeProgram, u: &[[f64; 3]], contact: &Contact) -> f64 {
+    let [a, b] = [contact.a as usize, contact.b as usize];
     let moved = |i: usize| {
         let u = program.bodies[i].to_global(u[i]);
         DVec2::new(u[0], u[1])
     };
+    if b >= bodies.particles {
+        let around = centre_of_curve(bodies, contact)
+            .map_or(0.0, |arm| contact.normal.perp().dot(moved(b) - moved(a)).abs() / arm.length());
+        return u[b][2].abs().max(around);
+    }
     let way = bodies.way(a, b);
     let mut relative = moved(b) - moved(a);
     if let (Some(cell), Some(of_program)) = (&bodies.cell, &program.cell) {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::BodyId;
 use clastic_components::wall::{LoadedLength, TableOf, WallControl};
 
-use crate::identities::Identities;
+use crate::identities::IdentityTable;
 use crate::state::StateOf;
 
 /// Name of [`ControlStates`] in a state.
@@ -89,7 +89,7 @@ impl ControlState {
         }
     }
 
-    fn control(self, identities: &Identities) -> WallControl {
+    fn control(self, identities: &IdentityTable) -> WallControl {
         let wall = |id: Option<BodyId>| {
             id.and_then(|id| identities.body(id)).unwrap_or(Entity::PLACEHOLDER)
         };
@@ -126,7 +126,7 @@ impl StateOf for ControlStates {
 
     fn put(self, world: &mut World) {
         for (id, state) in self.0 {
-            let identities = world.get_resource_or_init::<Identities>();
+            let identities = world.get_resource_or_init::<IdentityTable>();
             let Some(entity) = identities.body(id) else { continue };
             let control = state.control(&identities);
             world.entity_mut(entity).insert(control);

@@ -41,6 +41,7 @@ macro_rules! examples {
 }
 
 examples! {
+    background in "../examples/background.rs"
     custom_measure in "../examples/custom_measure.rs"
     custom_membrane in "../examples/custom_membrane.rs"
     custom_rupture_rule in "../examples/custom_rupture_rule.rs"
@@ -48,6 +49,8 @@ examples! {
     custom_wall in "../examples/custom_wall.rs"
     embed in "../examples/embed.rs"
     fixed_update in "../examples/fixed_update.rs"
+    follow_bodies in "../examples/follow_bodies.rs"
+    interpolated in "../examples/interpolated.rs"
     load_until_collapse in "../examples/load_until_collapse.rs"
     run_app in "../examples/run_app.rs"
     run_scene in "../examples/run_scene.rs"

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use clastic::components::attempt::Attempt;
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::components::findings::Sliding;
 use clastic::components::increment::{Acceptance, Analysis, FrictionLaw};
 use clastic::cone::certificate::{certificate, proves};
@@ -166,7 +166,7 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
     world.init_resource::<FrictionLaw>();
     world.init_resource::<Sliding>();
     world.init_resource::<Analysis>();
-    world.init_resource::<Bodies>();
+    world.init_resource::<BodyTable>();
     world.init_resource::<Attempt>();
     world.init_resource::<ConeSolution>();
     world.run_system_once(solve_program).unwrap();

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use bevy_ecs::prelude::With;
 use clastic::components::attempt::IncrementStatus;
-use clastic::components::body::{BodyId, Position};
+use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
 use clastic::output::{self, Ending, OutputPlugin, RunOptions};
@@ -143,8 +143,8 @@ scenes! {
     simple_shear_periodic_undrained: "simple_shear_periodic_undrained", COMPLETES, &[
         ("porosity", 0.18934040554317422),
     ];
-    // The mean stress stays at 50 kPa, to 1e-9: the peak of the axial stress is a mobilised friction
-    // of 0.331.
+    // The mean stress stays at 50 kPa, to 1e-9: the peak of the axial stress is a mobilised
+    // friction of 0.331.
     biaxial_periodic_constant_mean: "biaxial_periodic_constant_mean", COMPLETES, &[
         ("porosity", 0.19050900758755496),
         ("peak_stress_pa", 66561.08781748997),
@@ -316,8 +316,8 @@ fn directory() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes")
 }
 
-/// Runs a scene as `clastic run` does: every increment must be solved with a residual that the scene
-/// accepts, which is 1e-8 apart from the rotating drums.
+/// Runs a scene as `clastic run` does: every increment must be solved with a residual that the
+/// scene accepts, which is 1e-8 apart from the rotating drums.
 fn run(name: &str, ending: &str, quantities: Quantities) {
     let path = directory().join(name).with_extension("ron");
     let mut loaded = scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
@@ -369,7 +369,7 @@ fn leaves(name: &str, stored: &str, increments: u64) {
         DVec2::new(numbers[0], numbers[1])
     });
     let world = simulation.world_mut();
-    let mut query = world.query_filtered::<(&BodyId, &Position), With<Particle>>();
+    let mut query = world.query_filtered::<(&BodyId, &BodyPosition), With<Particle>>();
     let mut found: Vec<_> = query.iter(world).map(|(id, x)| (*id, x.0)).collect();
     found.sort_by_key(|(id, _)| *id);
     for (id, x) in found {

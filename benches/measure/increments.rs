@@ -1,7 +1,7 @@
 //! Size of the increment: whole curves at a quarter to eight times the increment, over seeds.
 
 use clastic::components::attempt::IncrementStatus;
-use clastic::components::body::{Origin, Position};
+use clastic::components::body::{BodyOrigin, BodyPosition};
 use clastic::components::increment::Progress;
 use clastic::components::observation::Observation;
 use clastic::components::wall::WallName;
@@ -280,6 +280,7 @@ fn biaxial(scenes: &Scenes, full: bool, seed: u64) -> Result<LoadedScene, BenchE
         rest: CompactRest::Affine,
         agitation: 0.1,
         seed,
+        stop: Vec::new(),
         record: Default::default(),
     };
     loaded.scene.stages.insert(0, Stage::Compact(compact));
@@ -309,7 +310,7 @@ fn prepared(mut loaded: LoadedScene) -> Result<LoadedScene, BenchError> {
     }
     let rows = specimen_rows(simulation.world().resource(), simulation.world().resource());
     let world = simulation.world_mut();
-    let mut walls = world.query::<(&WallName, &Position, &Origin)>();
+    let mut walls = world.query::<(&WallName, &BodyPosition, &BodyOrigin)>();
     for (name, now, start) in walls.iter(world) {
         let way = now.0 - start.0;
         for wall in loaded.scene.walls.iter_mut().filter(|wall| wall.name == name.0) {

@@ -1,6 +1,6 @@
 //! Time and memory of an elastic increment against the number of disks.
 
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::components::observation::{Observation, Timings};
 use clastic::cone::program::ConeProgram;
 use clastic::output::plots::chart::{Chart, Line};
@@ -63,7 +63,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
             solve.push(simulation.world().resource::<Timings>().solve);
         }
         let world = simulation.world();
-        let disks = world.resource::<Bodies>().particles;
+        let disks = world.resource::<BodyTable>().particles;
         let program = world.resource::<ConeProgram>();
         let first = whole[0];
         let (increment, solve) = (middle(&mut whole[1..]), middle(&mut solve[1..]));

@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
-use clastic::components::body::{BodyId, Origin, Position};
+use clastic::components::body::{BodyId, BodyOrigin, BodyPosition};
 use clastic::components::particle::Particle;
 use clastic::output::plots::chart::{Chart, Line};
 use clastic::run::{Outcome, Simulation};
@@ -145,7 +145,7 @@ fn error(theta: f64, increments: u32) -> Result<f64, BenchError> {
     }
     let unit = SPEED * RADIUS;
     let world = simulation.world_mut();
-    let mut disks = world.query_filtered::<(&BodyId, &Position, &Origin), With<Particle>>();
+    let mut disks = world.query_filtered::<(&BodyId, &BodyPosition, &BodyOrigin), With<Particle>>();
     let mut rows: Vec<_> = disks
         .iter(world)
         .map(|(id, x, x0)| ((x.0 - x0.0).x / unit - exact(id.0), exact(id.0), id.0))

@@ -209,13 +209,19 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
     lines
 }
 
-/// What ended a stage before its last increment; `None` for a stage that ran to its end.
+/// What ended a stage before its last increment, or where a packing is jammed; `None` for a stage
+/// that ran to its end.
 fn stage(end: &StageEnd) -> Option<String> {
     let StageEnd { stage, increments, .. } = end;
     let n = if *increments == 1 { "increment" } else { "increments" };
     let stop = end.stop.as_ref().filter(|_| end.ended_by == Some(EndedBy::Stop));
     let stage = label(stage);
-    stop.map(|stop| format!("stage {stage}: stopped by {stop:?} after {increments} {n}"))
+    let jammed = end.jammed_at.map(|porosity| {
+        format!("stage {stage}: jammed at a porosity of {porosity:.4} after {increments} {n}")
+    });
+    jammed.or_else(|| {
+        stop.map(|stop| format!("stage {stage}: stopped by {stop:?} after {increments} {n}"))
+    })
 }
 
 /// A stress in a suitable unit.
@@ -262,6 +268,7 @@ mod tests {
             increments,
             capped,
             passed: None,
+            jammed_at: None,
             ended_by: Some(stop.as_ref().map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
             stop,
         });
@@ -317,6 +324,7 @@ mod tests {
             ended_by: Some(EndedBy::AllIncrements),
             stop: None,
             passed: None,
+            jammed_at: None,
         };
         let lines = warnings(&Script { ends: vec![end], ..Script::new(&scene) });
         assert_eq!(lines.len(), 2);
@@ -334,6 +342,7 @@ mod tests {
             increments: 1,
             capped: 0,
             passed,
+            jammed_at: None,
             ended_by: Some(ended_by),
             stop: Some(Stop::Until("q".to_owned(), 3.0e5)),
         };

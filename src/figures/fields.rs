@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use glam::{DMat2, DVec2};
-use spade::{DelaunayTriangulation, HasPosition, Point2, Triangulation as _};
 
+use super::mesh::triangles;
 use super::moment::{Disk, Moment};
 
 /// Displacement of every disk of `now` since `from`, m; `None` for disks that were not there.
@@ -32,19 +32,6 @@ pub struct Strain {
     pub shear: f64,
 }
 
-struct Corner {
-    place: Point2<f64>,
-    row: usize,
-}
-
-impl HasPosition for Corner {
-    type Scalar = f64;
-
-    fn position(&self) -> Point2<f64> {
-        self.place
-    }
-}
-
 /// Strain of every disk of `now` since `from`. The displacement is linear in the triangles of the
 /// Delaunay triangulation of the centres in `from`, so that each has one small strain, the
 /// symmetric part of its gradient. A disk has the mean of its triangles by area. Triangles with a
@@ -54,27 +41,12 @@ impl HasPosition for Corner {
 pub fn strains(now: &Moment, from: &Moment) -> Vec<Option<Strain>> {
     let moved = displacements(now, from);
     let before: Vec<Option<&Disk>> = now.disks.iter().map(|disk| from.disk(disk.id)).collect();
-    let corners = before.iter().enumerate().filter_map(|(row, disk)| {
-        let DVec2 { x, y } = (*disk)?.position;
-        Some(Corner { place: Point2::new(x, y), row })
-    });
-    // Centres are distinct and finite, so that all are inserted.
-    let Ok(mesh) = DelaunayTriangulation::<Corner>::bulk_load_stable(corners.collect()) else {
-        return vec![None; now.disks.len()];
-    };
-    let number = now.disks.len().max(1) as f64;
-    let widest = 2.0 * now.disks.iter().map(|disk| disk.radius).sum::<f64>() / number;
+    let corners =
+        before.iter().enumerate().filter_map(|(row, d)| d.map(|d| (row, d.position, d.radius)));
     // Sum of area times strain (xx, yy, xy) and of the areas, by row.
     let mut sums: BTreeMap<usize, [f64; 4]> = BTreeMap::new();
-    let mut triangles: Vec<[usize; 3]> =
-        mesh.inner_faces().map(|face| face.vertices().map(|vertex| vertex.data().row)).collect();
-    triangles.sort_unstable();
-    for rows in triangles {
+    for rows in triangles(corners) {
         let [Some(a), Some(b), Some(c)] = rows.map(|row| before[row]) else { continue };
-        let apart = |a: &Disk, b: &Disk| a.position.distance(b.position) - a.radius - b.radius;
-        if [apart(a, b), apart(b, c), apart(c, a)].into_iter().any(|gap| gap > widest) {
-            continue;
-        }
         let [Some(u), Some(v), Some(w)] = rows.map(|row| moved[row]) else { continue };
         let sides = DMat2::from_cols(b.position - a.position, c.position - a.position);
         let area = 0.5 * sides.determinant().abs();

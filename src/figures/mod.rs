@@ -7,6 +7,7 @@ pub mod fabric;
 pub mod fields;
 mod frames;
 pub mod maps;
+pub mod mesh;
 pub mod moment;
 pub mod pages;
 mod panels;

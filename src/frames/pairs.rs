@@ -2,7 +2,7 @@
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::{BondState, RuptureMode};
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, KeptRows};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 
@@ -31,7 +31,7 @@ pub(super) fn code(state: BondState) -> u8 {
 /// Pairs with force or a bond, ordered by bodies and bond. A pair of bodies with several bonds has
 /// a row for each. Its force stands with the intact one, or else with the last one.
 pub(super) fn pairs(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     kept: &KeptRows,
     history: &ContactHistory,
     bonds: impl Iterator<Item = ((BodyId, BodyId), u32, u8)>,
@@ -63,7 +63,7 @@ pub(super) fn pairs(
 }
 
 /// The contact of two bodies where they are; `None` if one of them is gone.
-fn contact(bodies: &Bodies, (a, b): (BodyId, BodyId)) -> Option<Contact> {
+fn contact(bodies: &BodyTable, (a, b): (BodyId, BodyId)) -> Option<Contact> {
     let (a, b) = (bodies.row(a)? as u32, bodies.row(b)? as u32);
     if (b as usize) < bodies.particles {
         return Some(pair_contact(bodies, a, b));
@@ -93,7 +93,7 @@ pub(super) fn columns(all: &[Pair]) -> FramePairs {
 /// Mean stress of every particle: xx, yy and xy, Pa, compression positive. Half the gap belongs to
 /// either particle, and the whole gap at a wall, so that the mean of the stresses by volume is that
 /// of all contacts.
-pub(super) fn stresses(bodies: &Bodies, all: &[Pair], thickness: f64) -> Vec<[f32; 3]> {
+pub(super) fn stresses(bodies: &BodyTable, all: &[Pair], thickness: f64) -> Vec<[f32; 3]> {
     let mut sums = vec![[0.0_f64; 3]; bodies.particles];
     for pair in all {
         let Some(memory) = pair.memory else { continue };
@@ -113,7 +113,7 @@ pub(super) fn stresses(bodies: &Bodies, all: &[Pair], thickness: f64) -> Vec<[f3
 }
 
 /// The lowest identity of the particles that intact bonds hold together, by particle.
-pub(super) fn fragments(bodies: &Bodies, all: &[Pair]) -> Vec<u32> {
+pub(super) fn fragments(bodies: &BodyTable, all: &[Pair]) -> Vec<u32> {
     // Union by the lower row: rows of particles ascend with their identities.
     let mut root: Vec<usize> = (0..bodies.particles).collect();
     fn find(root: &mut [usize], mut i: usize) -> usize {

@@ -4,10 +4,10 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::body::{ExternalForce, Group, Origin};
+use clastic_components::body::{BodyOrigin, ExternalForce, Group};
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::material::Materials;
@@ -20,7 +20,7 @@ use super::{Frame, FrameBodies, FrameMembranes, FrameWalls, NONE, pairs};
 /// The parts of a world that a [`Frame`] shows.
 #[derive(SystemParam)]
 pub struct FrameTables<'w, 's> {
-    bodies: Res<'w, Bodies>,
+    bodies: Res<'w, BodyTable>,
     history: Res<'w, ContactHistory>,
     kept: Res<'w, KeptRows>,
     analysis: Res<'w, Analysis>,
@@ -29,13 +29,13 @@ pub struct FrameTables<'w, 's> {
     progress: Res<'w, Progress>,
     cell: Option<Res<'w, PeriodicCell>>,
     bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
-    origins: Query<'w, 's, (&'static Origin, Option<&'static Group>)>,
+    origins: Query<'w, 's, (&'static BodyOrigin, Option<&'static Group>)>,
     walls: Query<'w, 's, (Option<&'static WallName>, &'static ExternalForce)>,
     membranes: Query<'w, 's, (&'static Membrane, &'static MembraneShape)>,
 }
 
 impl Frame {
-    /// Takes a frame of a world whose [`Bodies`] are up to date, as they are after an increment.
+    /// Takes a frame of a world whose [`BodyTable`] are up to date, as they are after an increment.
     ///
     /// # Panics
     /// If the world lacks [`ClasticPlugins`](crate::ClasticPlugins).
@@ -47,7 +47,7 @@ impl Frame {
 }
 
 impl FrameTables<'_, '_> {
-    /// Takes a frame. The [`Bodies`] must be up to date, as they are after an increment.
+    /// Takes a frame. The [`BodyTable`] must be up to date, as they are after an increment.
     #[must_use]
     pub fn frame(&self) -> Frame {
         let bodies = &*self.bodies;
@@ -161,7 +161,7 @@ impl FrameTables<'_, '_> {
 const NO_FORCE: ExternalForce = ExternalForce([0.0; 3]);
 
 /// Middle of the box around the centres of the particles, m: from there offsets are shortest.
-fn middle(bodies: &Bodies) -> DVec2 {
+fn middle(bodies: &BodyTable) -> DVec2 {
     let centres = bodies.positions[..bodies.particles].iter().map(|x| (*x, *x));
     let around = centres.reduce(|(low, high), (x, _)| (low.min(x), high.max(x)));
     around.map_or(DVec2::ZERO, |(low, high)| 0.5 * (low + high))

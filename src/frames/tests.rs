@@ -4,8 +4,8 @@
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
-use clastic_components::body::Position;
-use clastic_components::contact::Bodies;
+use clastic_components::body::BodyPosition;
+use clastic_components::contact::BodyTable;
 use clastic_systems::measures::stress::average_stress;
 
 use super::*;
@@ -26,7 +26,7 @@ fn compressed() -> (Simulation, Frame) {
 fn a_frame_has_the_bodies_forces_and_stresses_of_the_engine() {
     let (mut simulation, frame) = compressed();
     let world = simulation.world_mut();
-    let bodies = world.resource::<Bodies>().clone();
+    let bodies = world.resource::<BodyTable>().clone();
     assert_eq!(frame.bodies.id.len(), 400);
     // Centres to half a unit in the last place of the distance from the origin.
     for i in 0..400 {
@@ -35,7 +35,7 @@ fn a_frame_has_the_bodies_forces_and_stresses_of_the_engine() {
         let size = (place.x - frame.origin_m[0]).hypot(place.y - frame.origin_m[1]);
         assert!((x - place.x).hypot(y - place.y) <= 1e-7 * size, "{i}");
     }
-    let mut places = world.query::<&Position>();
+    let mut places = world.query::<&BodyPosition>();
     assert!(places.iter(world).count() >= 400);
 
     // The forces of the contacts at a wall are what it exerts, which the record has from elsewhere.
@@ -65,8 +65,8 @@ fn a_frame_has_the_bodies_forces_and_stresses_of_the_engine() {
     }
     let all = world
         .run_system_cached(
-            |bodies: Res<Bodies>,
-             contacts: Res<clastic_components::contact::Contacts>,
+            |bodies: Res<BodyTable>,
+             contacts: Res<clastic_components::contact::ContactTable>,
              program: Res<clastic_cone::program::ConeProgram>,
              solution: Res<clastic_cone::program::ConeSolution>| {
                 average_stress(&bodies, &contacts, &program, &solution, 1.0, 1.0)

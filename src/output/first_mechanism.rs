@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -17,7 +17,7 @@ use crate::run::stages::Script;
 /// System: writes the mechanism and its picture, if the increment was the first collapse.
 pub(super) fn write(
     (script, observation): (Res<Script>, Res<Observation>),
-    (bodies, program, solution): (Res<Bodies>, Res<ConeProgram>, Res<ConeSolution>),
+    (bodies, program, solution): (Res<BodyTable>, Res<ConeProgram>, Res<ConeSolution>),
     (scenery, moments): (Scenery, Res<Moments>),
     mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
@@ -47,7 +47,7 @@ pub fn write_particles(path: &Path, snapshot: &Snapshot) -> Result<(), OutputErr
 /// The particles as a stored specimen. Materials are named only if there are several. A scene that
 /// reads the file can then give its only material any name.
 #[must_use]
-pub fn specimen_rows(bodies: &Bodies, materials: &Materials) -> Vec<StoredParticle> {
+pub fn specimen_rows(bodies: &BodyTable, materials: &Materials) -> Vec<StoredParticle> {
     let name = |i: usize| materials.0.get(bodies.materials[i] as usize).map(|m| m.name.clone());
     (0..bodies.particles)
         .map(|i| StoredParticle {

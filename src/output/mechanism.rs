@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::DVec2;
 
 use clastic_components::attempt::IncrementStatus;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -47,7 +47,7 @@ impl Mechanism {
     #[must_use]
     pub fn of(
         observation: &Observation,
-        bodies: &Bodies,
+        bodies: &BodyTable,
         program: &ConeProgram,
         solution: &ConeSolution,
     ) -> Option<Self> {

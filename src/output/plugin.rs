@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_systems::state::RegisterState;
-use clastic_systems::stepping::{Advance, AdvanceSystems, Halted};
+use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, ClasticHalted};
 
 use super::avalanches::{self, CurrentAvalanche};
 use super::found::Found;
@@ -16,7 +16,7 @@ use super::{
     OutputError, dump, events, first_mechanism, frames, history, peak, states, timings, wanted,
 };
 use crate::run::key_results::is_undecided;
-use crate::run::plugin::{BeginStage, StageSystems};
+use crate::run::plugin::{BeginStage, EndStage, StageSystems};
 use crate::run::save::SavedStates;
 
 /// Writes the results of every increment. Its systems run after the stop conditions, so that the
@@ -24,7 +24,7 @@ use crate::run::save::SavedStates;
 /// [`resume`](super::resume) open the run directory, [`RunDirectory`]; nothing is written without
 /// it. This plugin does not change the results of a run.
 ///
-/// An increment that cannot be written halts the run: [`Halted`] has the message, and
+/// An increment that cannot be written halts the run: [`ClasticHalted`] has the message, and
 /// [`OutputFailure`] the error.
 pub struct OutputPlugin;
 
@@ -45,7 +45,11 @@ impl Plugin for OutputPlugin {
                     .before(StageSystems::BuiltIn),
             )
             .add_systems(
-                Advance,
+                EndStage,
+                prepared::write_packing.pipe(halt).run_if(can_write).after(StageSystems::Custom),
+            )
+            .add_systems(
+                AdvanceIncrement,
                 (
                     (timings::start_clock, wanted::decide).chain(),
                     history::is_there.pipe(halt),
@@ -80,7 +84,7 @@ fn can_write(run: Option<Res<RunDirectory>>, failure: Option<Res<OutputFailure>>
 /// Halts the run after an error.
 fn halt(In(written): In<Result<(), OutputError>>, mut commands: Commands) {
     if let Err(error) = written {
-        commands.insert_resource(Halted(error.to_string()));
+        commands.insert_resource(ClasticHalted(error.to_string()));
         commands.insert_resource(OutputFailure(error));
     }
 }

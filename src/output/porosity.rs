@@ -6,6 +6,8 @@ use glam::DVec2;
 use clastic_components::observation::{Measures, StrainMeasure};
 use clastic_components::wall::Wall;
 
+use crate::figures::mesh::triangles;
+
 use super::prepared::Prepared;
 use super::snapshot::Snapshot;
 
@@ -44,6 +46,25 @@ pub fn in_box(disks: &Snapshot) -> Option<f64> {
     Some(1.0 - disks.area() / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
 }
 
+/// Porosity within the [triangles] between the centres of neighbouring disks: that of a specimen
+/// whose outline was cut, so that walls and boxes around it enclose voids that are not part of it.
+/// A disk fills of a triangle the sector between two sides. `None` without triangles.
+#[must_use]
+pub fn within(disks: &Snapshot) -> Option<f64> {
+    let all = disks.positions.iter().zip(&disks.radii).enumerate();
+    let (mut filled, mut area) = (0.0, 0.0);
+    for rows in triangles(all.map(|(row, (x, r))| (row, *x, *r))) {
+        let corners = rows.map(|row| disks.positions[row]);
+        area += 0.5 * (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs();
+        for (k, row) in rows.into_iter().enumerate() {
+            let [a, b] = [1, 2].map(|next| corners[(k + next) % 3] - corners[k]);
+            let angle = libm::atan2(a.perp_dot(b).abs(), a.dot(b));
+            filled += 0.5 * angle * disks.radii[row].powi(2);
+        }
+    }
+    (area > 0.0).then(|| 1.0 - filled / area)
+}
+
 /// Extent of the disks along a direction, m.
 fn extent(snapshot: &Snapshot, axis: DVec2) -> Option<f64> {
     let disks = snapshot.positions.iter().zip(&snapshot.radii);
@@ -65,6 +86,25 @@ mod tests {
             porosity(&measures, &walls, &prepared)
         };
         world.run_system_once(measure).ok().flatten()
+    }
+
+    /// The densest lattice has a porosity of 1 - pi/(2 sqrt(3)), whatever outline is cut out of it.
+    #[test]
+    fn a_disk_that_is_cut_out_of_a_lattice() {
+        let place = |k: i32| {
+            let (row, column) = (k / 40, k % 40);
+            DVec2::new(
+                2.0 * f64::from(column) + f64::from(row % 2),
+                3.0_f64.sqrt() * f64::from(row),
+            )
+        };
+        let positions: Vec<_> =
+            (0..1600).map(place).filter(|x| x.distance(DVec2::splat(35.0)) < 25.3).collect();
+        let radii = vec![1.0; positions.len()];
+        let cut = Snapshot { positions, radii, ..Default::default() };
+        let expected = 1.0 - std::f64::consts::PI / 12.0_f64.sqrt();
+        assert!((within(&cut).unwrap_or(f64::NAN) - expected).abs() < 1e-12);
+        assert_eq!(within(&Snapshot::default()), None);
     }
 
     #[test]

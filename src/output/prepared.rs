@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::Progress;
 use clastic_components::material::Materials;
 use clastic_components::observation::{Measures, Observation};
@@ -16,9 +16,9 @@ use super::found::{Found, Settled};
 use super::run_directory::RunDirectory;
 use super::snapshot::{Moments, Scenery, Snapshot};
 use super::{OutputError, directory, frames, porosity};
-use crate::run::stages::Script;
+use crate::run::stages::{CurrentStage, Script};
 use crate::scene::StoredParticle;
-use crate::scene::format::{Compact, CompactTarget, Stage};
+use crate::scene::format::Stage;
 
 /// The prepared specimen.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -44,7 +44,7 @@ pub struct Prepared {
 impl Prepared {
     /// The specimen of a world whose tables are up to date.
     pub(super) fn take(world: &mut World) -> Self {
-        let now = |scenery: Scenery, bodies: Res<Bodies>, materials: Res<Materials>| {
+        let now = |scenery: Scenery, bodies: Res<BodyTable>, materials: Res<Materials>| {
             Self::now(&scenery, &bodies, &materials)
         };
         world.run_system_cached(now).unwrap_or_else(|error| panic!("{error}"))
@@ -52,7 +52,7 @@ impl Prepared {
 
     /// The specimen as it is now.
     #[must_use]
-    fn now(scenery: &Scenery, bodies: &Bodies, materials: &Materials) -> Self {
+    fn now(scenery: &Scenery, bodies: &BodyTable, materials: &Materials) -> Self {
         Self {
             rows: frames::specimen_rows(bodies, materials),
             snapshot: scenery.snapshot(),
@@ -61,8 +61,8 @@ impl Prepared {
     }
 }
 
-/// System: takes the specimen and its frame where the reference stage begins, as earlier stages leave
-/// it: those without increments as well. Exclusive, because it gathers the tables.
+/// System: takes the specimen and its frame where the reference stage begins, as earlier stages
+/// leave it: those without increments as well. Exclusive, because it gathers the tables.
 pub(super) fn take_start(world: &mut World) {
     let is_reference =
         world.resource::<Progress>().stage == world.resource::<Script>().reference_stage();
@@ -75,11 +75,10 @@ pub(super) fn take_start(world: &mut World) {
     }
 }
 
-/// Follows the specimen up to the reference stage. Writes it when that stage begins, and at the end
-/// of a compaction.
+/// Follows the specimen up to the reference stage. Writes it when that stage begins.
 pub fn prepare(
     (script, progress, observation): (Res<Script>, Res<Progress>, Res<Observation>),
-    (bodies, materials, measures): (Res<Bodies>, Res<Materials>, Res<Measures>),
+    (bodies, materials, measures): (Res<BodyTable>, Res<Materials>, Res<Measures>),
     (scenery, walls): (Scenery, Query<&Wall>),
     mut specimen: ResMut<PreparedSpecimen>,
     mut moments: ResMut<Moments>,
@@ -88,17 +87,12 @@ pub fn prepare(
 ) -> Result<(), OutputError> {
     let is_reference = progress.stage >= script.reference_stage();
     let now = || Prepared::now(&scenery, &bodies, &materials);
-    if let (Some(before), Some(compact)) = (&specimen.waiting, just_compacted(&script))
+    if let Some(before) = &specimen.waiting
+        && just_compacted(&script)
         && observation.motion_steps > 0
     {
-        let after = scenery.snapshot();
-        let [before, after] = match (&bodies.cell, compact.target) {
-            (Some(cell), CompactTarget::Porosity(target)) => {
-                [Some(target), Some(1.0 - after.area() / cell.area())]
-            }
-            _ => [&before.snapshot, &after].map(porosity::in_box),
-        };
-        let pair = before.zip(after).filter(|(before, after)| after < before);
+        let pair = porosity::in_cell_or_box(before).zip(porosity::in_cell_or_box(&now()));
+        let pair = pair.filter(|(before, after)| after < before);
         found.settled = pair
             .map(|(porosity_before, porosity_after)| Settled { porosity_before, porosity_after })
             .or(found.settled);
@@ -111,32 +105,46 @@ pub fn prepare(
             format!("at the start of the reference stage `{stage}`, before its first increment");
         write(&mut run, &mut specimen, &prepared, moment)?;
         if !script.scene.stages.iter().any(Stage::pours) {
-            found.porosity = porosity::porosity(&measures, &walls, &prepared);
+            found.porosity = if is_cut(&script) {
+                porosity::within(&prepared.snapshot)
+            } else {
+                porosity::porosity(&measures, &walls, &prepared)
+            };
         }
         moments.start = prepared.snapshot;
-    }
-    let is_compaction = matches!(script.stage(progress.stage), Some(Stage::Compact(_)));
-    if is_compaction && progress.is_over() {
-        let packing = now();
-        let moment = format!("at the end of the compaction `{}`", observation.stage);
-        write(&mut run, &mut specimen, &packing, moment)?;
-        if is_reference {
-            // The scene has no loading stage, so its result is the packing.
-            found.porosity = porosity::in_cell_or_box(&packing);
-        }
     }
     Ok(())
 }
 
-/// The compaction that came right before the stage whose first increment has just been made.
-fn just_compacted(script: &Script) -> Option<&Compact> {
-    let (now, before) = script.ends.split_last()?;
-    let last = before.iter().rev().find(|end| end.increments > 0)?;
-    let stage = script.scene.stages.iter().find(|stage| stage.name() == last.stage)?;
-    match stage {
-        Stage::Compact(compact) if now.increments == 1 => Some(compact),
-        _ => None,
+/// System: writes the packing where a compaction ends. Exclusive, because it gathers the tables.
+pub(super) fn write_packing(world: &mut World) -> Result<(), OutputError> {
+    let Stage::Compact(stage) = &world.resource::<CurrentStage>().0 else { return Ok(()) };
+    let moment = format!("at the end of the compaction `{}`", stage.name);
+    let _ = world.run_system_cached(gather_bodies);
+    let packing = Prepared::take(world);
+    world.resource_scope(|world, mut run: Mut<RunDirectory>| {
+        write(&mut run, &mut world.resource_mut::<PreparedSpecimen>(), &packing, moment)
+    })?;
+    let script = world.resource::<Script>();
+    if world.resource::<Progress>().stage >= script.reference_stage() {
+        // The scene has no loading stage, so its result is the packing.
+        world.resource_mut::<Found>().porosity = porosity::in_cell_or_box(&packing);
     }
+    Ok(())
+}
+
+/// Whether a compaction came right before the stage whose first increment has just been made.
+fn just_compacted(script: &Script) -> bool {
+    let Some((now, before)) = script.ends.split_last() else { return false };
+    let last = before.iter().rev().find(|end| end.increments > 0);
+    let stage = last.and_then(|last| script.scene.stages.iter().find(|s| s.name() == last.stage));
+    now.increments == 1 && matches!(stage, Some(Stage::Compact(_)))
+}
+
+/// Whether the specimen of the reference stage was cut out of another one.
+fn is_cut(script: &Script) -> bool {
+    let before = script.scene.stages.iter().take(script.reference_stage());
+    script.scene.keep.is_some() || before.into_iter().any(|s| matches!(s, Stage::Remove(_)))
 }
 
 fn write(

@@ -5,9 +5,9 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyId, Origin, Rotation};
+use clastic_components::body::{BodyId, BodyOrigin, BodyRotation};
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::{Bodies, WallRow};
+use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::membrane::{Membrane, MembraneShape};
 use clastic_components::wall::Wall;
 
@@ -44,7 +44,8 @@ impl Snapshot {
         self.radii.iter().map(|r| std::f64::consts::PI * r * r).sum()
     }
 
-    /// Takes a snapshot of a world whose [`Bodies`] are up to date, as they are after an increment.
+    /// Takes a snapshot of a world whose [`BodyTable`] are up to date, as they are after an
+    /// increment.
     ///
     /// # Panics
     /// If the world lacks [`ClasticPlugins`](crate::ClasticPlugins).
@@ -54,9 +55,9 @@ impl Snapshot {
             .unwrap_or_else(|error| panic!("{error}"))
     }
 
-    /// Lower left and upper right corner of the box around the disks, without strays, and the walls,
-    /// m; none without disks. Walls that are lines count up to a quarter of the extent of the disks
-    /// beyond these.
+    /// Lower left and upper right corner of the box around the disks, without strays, and the
+    /// walls, m; none without disks. Walls that are lines count up to a quarter of the extent of
+    /// the disks beyond these.
     #[must_use]
     pub fn bounds(&self) -> Option<(DVec2, DVec2)> {
         let range = |axis: usize| {
@@ -88,15 +89,15 @@ pub struct Moments {
 /// The parts of a world that a [`Snapshot`] shows.
 #[derive(SystemParam)]
 pub struct Scenery<'w, 's> {
-    bodies: Res<'w, Bodies>,
+    bodies: Res<'w, BodyTable>,
     bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
     walls: Query<'w, 's, &'static Wall>,
-    particles: Query<'w, 's, (&'static Rotation, &'static Origin)>,
+    particles: Query<'w, 's, (&'static BodyRotation, &'static BodyOrigin)>,
     membranes: Query<'w, 's, (&'static Membrane, &'static MembraneShape)>,
 }
 
 impl Scenery<'_, '_> {
-    /// Takes a snapshot. The [`Bodies`] must be up to date, as they are after an increment.
+    /// Takes a snapshot. The [`BodyTable`] must be up to date, as they are after an increment.
     #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let bodies = &*self.bodies;

@@ -4,7 +4,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::wall::WallName;
@@ -96,7 +96,7 @@ fn jammed(world: &mut World, stage: &Compact) -> String {
 
 /// Names two rigid bodies that imposed motions force into each other.
 fn driven_together(world: &World, pair: Forced) -> String {
-    let bodies = world.resource::<Bodies>();
+    let bodies = world.resource::<BodyTable>();
     // The last attempt may have been at a fraction of the increment, or at the fraction 0.
     let fraction = world.resource::<Progress>().fraction;
     let closing = if fraction > 0.0 { pair.closing / fraction } else { pair.closing };
@@ -110,7 +110,7 @@ fn driven_together(world: &World, pair: Forced) -> String {
 
 /// The text with the names that the scene gives to walls.
 fn with_wall_names(world: &World, text: String) -> String {
-    let bodies = world.resource::<Bodies>();
+    let bodies = world.resource::<BodyTable>();
     bodies.walls.iter().map(|wall| wall.body as usize).fold(text, |text, row| {
         match bodies.entities.get(row).and_then(|wall| world.get::<WallName>(*wall)) {
             Some(name) => text.replace(&bodies.name(row), &format!("wall `{}`", name.0)),

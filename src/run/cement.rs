@@ -1,11 +1,11 @@
-//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact carries
-//! its bond goes on carrying, so that the state stays as it is.
+//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact
+//! carries its bond goes on carrying, so that the state stays as it is.
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, Origin};
+use clastic_components::body::{BodyId, BodyOrigin};
 use clastic_components::bond::Bond;
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::material::{BondLaw, Materials};
@@ -22,55 +22,106 @@ use super::settings::BondsOfMaterials;
 use super::walls::WallCatalogue;
 use crate::scene::format::{Bond as BondOfScene, Cement};
 
-/// Bonds every pair of the selected particles with `g_0 < length` whose materials form bonds and
-/// that has no intact bond. A wall with a bond law of its own bonds to every particle within the
-/// length.
+/// Bonds pairs of the selected particles whose materials form bonds and that have no intact bond:
+/// those with `g_0 < length`, or the nearest ones. A wall with a bond law of its own bonds to every
+/// particle within the length.
 pub fn cement(world: &mut World, stage: &Cement) {
     let (bodies, history) = gathered(world);
+    let takes_part = members(world, &bodies, stage);
+    let contacts = match stage.coordination {
+        None => near(&bodies, stage, &takes_part, stage.length.unwrap_or_default()),
+        Some(_) => nearest(&bodies, stage, &takes_part),
+    };
+    for contact in contacts {
+        add(world, &bodies, &history, &contact, stage.bond.as_ref());
+    }
+}
+
+/// Whether a particle can be bonded, by row.
+fn members(world: &mut World, bodies: &BodyTable, stage: &Cement) -> Vec<bool> {
+    let Some(select) = &stage.select else { return vec![true; bodies.particles] };
+    let mut takes_part = vec![false; bodies.particles];
+    for (id, _) in selected(world, select) {
+        if let Some(row) = bodies.row(id) {
+            takes_part[row] = true;
+        }
+    }
+    takes_part
+}
+
+/// Why there are not as many pairs as are to be bonded.
+pub(super) fn refusal(world: &mut World, stage: &Cement) -> Option<String> {
+    stage.coordination?;
+    let (bodies, _) = gathered(world);
+    let takes_part = members(world, &bodies, stage);
+    let wanted = number(stage, &takes_part);
+    let n = takes_part.iter().filter(|takes_part| **takes_part).count();
+    let pairs = n * n.saturating_sub(1) / 2;
+    (wanted > pairs).then(|| {
+        format!(
+            "stage `{}` cannot begin: {wanted} bonds between {n} particles, which have {pairs} pairs; \
+             give a smaller `coordination`",
+            stage.name
+        )
+    })
+}
+
+/// Number of bonds that a coordination asks for.
+fn number(stage: &Cement, takes_part: &[bool]) -> usize {
+    let n = takes_part.iter().filter(|takes_part| **takes_part).count();
+    (0.5 * stage.coordination.unwrap_or_default() * n as f64).round() as usize
+}
+
+/// The pairs without a bond that have the smallest gaps.
+fn nearest(bodies: &BodyTable, stage: &Cement, takes_part: &[bool]) -> Vec<Contact> {
+    let wanted = number(stage, takes_part);
+    let mut length = bodies.mean_radius;
+    loop {
+        let mut contacts = near(bodies, stage, takes_part, length);
+        contacts.retain(|c| !is_bonded(bodies, c));
+        let spread = bodies.positions.iter().map(|x| x.length()).fold(0.0, f64::max);
+        if contacts.len() >= wanted || length > 2.0 * spread {
+            contacts.sort_by(|a, b| a.gap.total_cmp(&b.gap));
+            contacts.truncate(wanted);
+            contacts.sort_unstable_by_key(|c| (c.a, c.b));
+            return contacts;
+        }
+        length *= 2.0;
+    }
+}
+
+/// Pairs that take part with a gap below a length, in the order of their bodies.
+fn near(bodies: &BodyTable, stage: &Cement, takes_part: &[bool], length: f64) -> Vec<Contact> {
     let n = bodies.particles;
     let mut pairs = Vec::new();
     if stage.particles {
         let disks = &bodies.positions[..n];
         match &bodies.cell {
-            Some(cell) => {
-                pairs = periodic::pairs_within(cell, disks, &bodies.radii, stage.length);
-            }
-            None => pairs_within(disks, &bodies.radii, stage.length, &mut pairs),
+            Some(cell) => pairs = periodic::pairs_within(cell, disks, &bodies.radii, length),
+            None => pairs_within(disks, &bodies.radii, length, &mut pairs),
         }
     }
     let mut contacts: Vec<Contact> =
-        pairs.iter().map(|(a, b)| pair_contact(&bodies, *a, *b)).collect();
+        pairs.iter().map(|(a, b)| pair_contact(bodies, *a, *b)).collect();
     if stage.walls {
         for wall in &bodies.walls {
             let gap = |i: usize| {
-                wall_gap(
-                    &bodies.walls,
-                    &bodies.positions,
-                    wall,
-                    bodies.positions[i],
-                    bodies.radii[i],
-                )
+                let (x, r) = (bodies.positions[i], bodies.radii[i]);
+                wall_gap(&bodies.walls, &bodies.positions, wall, x, r)
             };
-            let near = (0..n).filter(|i| gap(*i) < stage.length);
-            contacts.extend(near.map(|i| wall_contact(&bodies, i as u32, wall)));
+            let near = (0..n).filter(|i| gap(*i) < length);
+            contacts.extend(near.map(|i| wall_contact(bodies, i as u32, wall)));
         }
     }
-    contacts.retain(|c| c.gap < stage.length);
-    if let Some(select) = &stage.select {
-        let mut takes_part = vec![false; n];
-        for (id, _) in selected(world, select) {
-            if let Some(row) = bodies.row(id) {
-                takes_part[row] = true;
-            }
-        }
-        let has = |row: u32| takes_part.get(row as usize).is_none_or(|takes_part| *takes_part);
-        contacts.retain(|c| has(c.a) && has(c.b));
-    }
+    let has = |row: u32| takes_part.get(row as usize).is_none_or(|takes_part| *takes_part);
+    contacts.retain(|c| c.gap < length && has(c.a) && has(c.b));
     contacts.sort_unstable_by_key(|c| (c.a, c.b));
-    let law = stage.bond.as_ref();
-    for contact in contacts {
-        add(world, &bodies, &history, &contact, law);
-    }
+    contacts
+}
+
+fn is_bonded(bodies: &BodyTable, contact: &Contact) -> bool {
+    let pair = (contact.a, contact.b);
+    bodies.bonds.binary_search_by_key(&pair, |bond| (bond.a, bond.b)).is_ok()
 }
 
 /// Bonds pairs of particles at their current positions.
@@ -83,10 +134,10 @@ pub fn bond_pairs(world: &mut World, pairs: impl Iterator<Item = (u32, u32)>) {
 }
 
 /// The bodies, and the memory of their contacts by their rows.
-fn gathered(world: &mut World) -> (Bodies, ContactHistory) {
+fn gathered(world: &mut World) -> (BodyTable, ContactHistory) {
     // The system is registered once and cached, so that only one function gathers the tables.
     let _ = world.run_system_cached(gather_bodies);
-    let bodies = world.resource::<Bodies>().clone();
+    let bodies = world.resource::<BodyTable>().clone();
     let mut history = world.resource::<ContactHistory>().clone();
     // The rows of the memory are those of the last increment.
     let mut rows = world.resource::<KeptRows>().clone();
@@ -99,7 +150,7 @@ fn gathered(world: &mut World) -> (Bodies, ContactHistory) {
 
 /// Normal force of the contact before it is bonded, N. A pair that no increment has loaded carries
 /// nothing, whatever its overlap.
-fn carried(world: &World, bodies: &Bodies, history: &ContactHistory, contact: &Contact) -> f64 {
+fn carried(world: &World, bodies: &BodyTable, history: &ContactHistory, contact: &Contact) -> f64 {
     let Some(memory) = history.get(contact.a, contact.b) else { return 0.0 };
     let analysis = world.resource::<Analysis>();
     let law = contact_law(bodies, world.resource::<Materials>(), analysis, contact);
@@ -115,20 +166,20 @@ fn carried(world: &World, bodies: &Bodies, history: &ContactHistory, contact: &C
 
 fn add(
     world: &mut World,
-    bodies: &Bodies,
+    bodies: &BodyTable,
     history: &ContactHistory,
     contact: &Contact,
     law: Option<&BondOfScene>,
 ) {
     let (a, b) = (contact.a, contact.b);
-    if bodies.bonds.binary_search_by_key(&(a, b), |bond| (bond.a, bond.b)).is_ok() {
+    if is_bonded(bodies, contact) {
         return;
     }
     let materials = world.resource::<Materials>();
     // A world without a scene has no laws that scatter.
     let of_scene = world.get_resource::<BondsOfMaterials>();
     let origin = |row: u32| {
-        let origin = world.get::<Origin>(bodies.entities[row as usize]);
+        let origin = world.get::<BodyOrigin>(bodies.entities[row as usize]);
         origin.map_or(bodies.positions[row as usize], |origin| origin.0)
     };
     let places = [origin(a), origin(b)];

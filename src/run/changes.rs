@@ -111,7 +111,7 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
         let all = [cell.xx, cell.yy, cell.shear, cell.mean, cell.difference];
         all.into_iter().flatten().any(aims)
     });
-    ((state.ramps || cell_moves) && old.increments != new.increments)
+    ((state.ramps || cell_moves || !old.scale.is_default()) && old.increments != new.increments)
         .then_some("it is under way, and a load reaches its target at the end of its `increments`")
 }
 

@@ -6,7 +6,9 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, LastMotion, Velocity};
+use clastic_components::body::{
+    BodyAngularVelocity, BodyId, BodyVelocity, ExternalForce, LastMotion,
+};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
@@ -37,8 +39,8 @@ pub fn begin(world: &mut World, stage: &Compact) {
         }
         return;
     }
-    if let CompactTarget::Porosity(porosity) = stage.target
-        && world.contains_resource::<PeriodicCell>()
+    if world.contains_resource::<PeriodicCell>()
+        && let Some(porosity) = target_porosity(world, stage)
     {
         if let Some(steps) = cell::compact(world, area, porosity, stage.step) {
             world.resource_mut::<Progress>().total = steps;
@@ -53,7 +55,10 @@ pub fn begin(world: &mut World, stage: &Compact) {
     hold_walls(world);
     let target = match stage.target {
         CompactTarget::Height(height) => height,
-        CompactTarget::Porosity(porosity) => area / ((1.0 - porosity) * length),
+        CompactTarget::Porosity(_) | CompactTarget::Jammed => {
+            let porosity = target_porosity(world, stage).unwrap_or_default();
+            area / ((1.0 - porosity) * length)
+        }
     };
     let distance = height - target;
     if distance <= 0.0 {
@@ -65,7 +70,20 @@ pub fn begin(world: &mut World, stage: &Compact) {
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
 }
 
-/// Porosity or stress that a packing has reached, as the target of its stage defines it.
+/// Porosity at which the motion of a compaction would end: of a packing that is to jam one that it
+/// cannot have.
+pub(super) fn target_porosity(world: &mut World, stage: &Compact) -> Option<f64> {
+    match stage.target {
+        CompactTarget::Height(_) => None,
+        CompactTarget::Porosity(porosity) => Some(porosity),
+        CompactTarget::Jammed => {
+            let Disks { smallest, largest, .. } = disks(world);
+            Some(lowest_porosity(smallest / largest))
+        }
+    }
+}
+
+/// What a packing has reached.
 pub struct Reached {
     /// Height between the walls of the stage or of the cell, m.
     pub height: f64,
@@ -137,18 +155,18 @@ pub fn end(world: &mut World) {
     let mut bodies = world.query::<(
         &mut LastMotion,
         &mut ExternalForce,
-        Option<&mut Velocity>,
-        Option<&mut AngularVelocity>,
+        Option<&mut BodyVelocity>,
+        Option<&mut BodyAngularVelocity>,
     )>();
     for (mut motion, mut force, velocity, spin) in bodies.iter_mut(world) {
         *motion = LastMotion::default();
         // A later load on a wall starts from the force that the wall carries, which is zero.
         *force = ExternalForce::default();
         if let Some(mut velocity) = velocity {
-            *velocity = Velocity::default();
+            *velocity = BodyVelocity::default();
         }
         if let Some(mut spin) = spin {
-            *spin = AngularVelocity::default();
+            *spin = BodyAngularVelocity::default();
         }
     }
     hold_walls(world);

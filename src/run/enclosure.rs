@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::Position;
+use clastic_components::body::BodyPosition;
 use clastic_components::cell::PeriodicCell;
 use clastic_components::wall::Wall;
 
@@ -22,7 +22,7 @@ pub(super) fn room(world: &mut World, stage: &Compact) -> Option<f64> {
 
 /// Distance between the wall and the base, and length of the base, m.
 pub(super) fn extent(world: &World, wall: Entity, base: Entity) -> (f64, f64) {
-    let place = |wall| world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
+    let place = |wall| world.get::<BodyPosition>(wall).map(|x| x.0).unwrap_or_default();
     let (inward, length) = world
         .get::<Wall>(base)
         .map_or((DVec2::ZERO, 1.0), |base| (base.inward(), 2.0 * base.half_length));

@@ -9,13 +9,14 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondState;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::Progress;
 use clastic_components::particle::Particle;
 
+use super::compact::target_porosity;
 use super::enclosure::room;
 use super::script::Script;
-use crate::scene::format::{Compact, CompactBy, CompactTarget, Stage};
+use crate::scene::format::{Compact, CompactBy, Stage};
 
 /// Run condition: the stage compacts by radii.
 pub(super) fn are_growing(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
@@ -31,7 +32,7 @@ fn growing<'a>(script: &'a Script, progress: &Progress) -> Option<&'a Compact> {
 
 /// Factor that brings disks of this total area (m^2) to the porosity of the stage.
 pub(super) fn factor(world: &mut World, stage: &Compact, area: f64) -> Option<f64> {
-    let CompactTarget::Porosity(porosity) = stage.target else { return None };
+    let porosity = target_porosity(world, stage)?;
     Some(((1.0 - porosity) * room(world, stage)? / area).sqrt())
 }
 
@@ -60,7 +61,7 @@ pub(super) fn grow(world: &mut World) {
     let area = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
     let Some(to_target) = factor(world, &stage, area) else { return };
     let now = 1.0 + (to_target - 1.0) * share;
-    let mut bodies = world.resource_mut::<Bodies>();
+    let mut bodies = world.resource_mut::<BodyTable>();
     for (row, (_, radius)) in radii.iter().enumerate() {
         bodies.radii[row] = radius * now;
     }
@@ -69,7 +70,7 @@ pub(super) fn grow(world: &mut World) {
 
 /// Gives the particles the radii of a committed attempt. Their density stays.
 pub(super) fn keep_radii(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     particles: Query<(Entity, &BodyId, &Particle)>,
     mut commands: Commands,
 ) {
@@ -78,6 +79,6 @@ pub(super) fn keep_radii(
         let radius = bodies.radii[row];
         let grown = (radius / disk.radius).powi(2);
         let (mass, inertia) = (disk.mass * grown, disk.inertia * grown * grown);
-        commands.entity(entity).insert(Particle { radius, mass, inertia });
+        commands.entity(entity).insert(Particle { radius, mass, inertia, ..*disk });
     }
 }

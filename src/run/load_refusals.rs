@@ -3,7 +3,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, Position};
+use clastic_components::body::{BodyId, BodyPosition};
 use clastic_components::bond::BondState;
 use clastic_components::particle::Particle;
 
@@ -72,7 +72,7 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     let catalogue = world.get_resource::<WallCatalogue>()?;
     let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.shape.is_line();
     let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
-    let mut particles = world.query::<(&BodyId, &Particle, &Position)>();
+    let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
     let cut = |wall: &scene::Wall| {
         let all = particles.iter(world);
         let cut = all.filter(|(_, particle, x)| is_cut(wall, x.0, particle.radius));
@@ -93,7 +93,7 @@ pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
     let catalogue = world.get_resource::<WallCatalogue>()?;
     let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name);
     let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
-    let mut particles = world.query::<(&Particle, &Position)>();
+    let mut particles = world.query::<(&Particle, &BodyPosition)>();
     let (wall, behind) = walls.iter().find_map(|wall| {
         let all = particles.iter(world);
         let behind = all.filter(|(particle, x)| is_behind(wall, x.0.into(), particle.radius));

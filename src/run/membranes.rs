@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::body::{BodyId, ExternalForce};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::membrane::{Course, Membrane};
 use clastic_components::wall::{Wall, WallControl};
@@ -117,7 +117,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         }
         // A wall that the stage brings in is not there yet.
         let Some(membrane) = made(world, name, control, 0.0) else { continue };
-        if find_shape(&membrane, 0.0, world.resource::<Bodies>()).chains.is_empty() {
+        if find_shape(&membrane, 0.0, world.resource::<BodyTable>()).chains.is_empty() {
             return Some(format!(
                 "stage `{}` cannot begin: membrane `{name}` finds no chain of grains from one of \
                  its walls to the other; bring the walls closer than two radii of the ball to the \

@@ -18,6 +18,7 @@ mod end_load;
 mod end_run;
 mod group_members;
 mod grow;
+mod jam;
 mod kept_stress;
 pub mod key_results;
 mod landing;
@@ -38,6 +39,7 @@ mod resolve_measures;
 mod rigid;
 pub mod sanity;
 pub mod save;
+mod scale;
 pub mod scatter;
 pub mod script;
 pub(crate) mod select;
@@ -57,7 +59,7 @@ pub mod walls;
 use bevy_app::{App, Plugin, Plugins};
 use bevy_ecs::prelude::*;
 
-use clastic_systems::stepping::{self, Due, Halted};
+use clastic_systems::stepping::{self, ClasticHalted, IncrementDue};
 
 pub use plugin::ScenePlugin;
 pub use script::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
@@ -198,11 +200,11 @@ impl Simulation {
 /// Advances a world with a scene to the end of the next increment.
 pub fn advance(world: &mut World) -> Step {
     stepping::advance(world);
-    if let Some(Halted(message)) = world.get_resource::<Halted>() {
+    if let Some(ClasticHalted(message)) = world.get_resource::<ClasticHalted>() {
         return Step::Finished(Outcome::Halted(message.clone()));
     }
     match &world.resource::<script::Script>().outcome {
-        Some(outcome) if !world.resource::<Due>().0 => Step::Finished(outcome.clone()),
+        Some(outcome) if !world.resource::<IncrementDue>().0 => Step::Finished(outcome.clone()),
         _ => Step::Increment,
     }
 }

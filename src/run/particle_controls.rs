@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{Drive, Drives, LoadControl, Position};
+use clastic_components::body::{BodyDrive, BodyDrives, BodyPosition, LoadControl};
 use clastic_components::increment::Analysis;
 use clastic_components::particle::Particle;
 
@@ -13,14 +13,15 @@ use crate::scene::format as scene;
 /// Sets drives and loads of the particles for a loading stage. Drives end with their stage. Loads
 /// keep their last values.
 pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
-    let mut particles = world.query_filtered::<(&mut Drives, &mut LoadControl), With<Particle>>();
+    let mut particles =
+        world.query_filtered::<(&mut BodyDrives, &mut LoadControl), With<Particle>>();
     for (mut drives, mut loads) in particles.iter_mut(world) {
-        drives.0 = [Drive::Free; 3];
+        drives.0 = [BodyDrive::Free; 3];
         for load in &mut loads.0 {
             load.0 = load.1;
         }
     }
-    let mut particles = world.query::<(&Position, &mut Drives, &mut LoadControl)>();
+    let mut particles = world.query::<(&BodyPosition, &mut BodyDrives, &mut LoadControl)>();
     for control in &stage.particles {
         for (_, entity) in selected(world, &control.select) {
             let Ok((x, mut drives, mut loads)) = particles.get_mut(world, entity) else { continue };
@@ -30,8 +31,8 @@ pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
                 }
             }
             if let Some(((xx, xy), (yx, yy))) = control.affine {
-                drives.0[0] = Drive::Imposed(xx * x.0.x + xy * x.0.y);
-                drives.0[1] = Drive::Imposed(yx * x.0.x + yy * x.0.y);
+                drives.0[0] = BodyDrive::Imposed(xx * x.0.x + xy * x.0.y);
+                drives.0[1] = BodyDrive::Imposed(yx * x.0.x + yy * x.0.y);
             }
             if let Some((fx, fy)) = control.force {
                 loads.0[0].1 = fx;

@@ -12,7 +12,7 @@ use clastic_systems::schedule::{
     AttemptIncrement, AttemptSystems, Increment, IncrementSystems, committed,
 };
 use clastic_systems::state::RegisterState;
-use clastic_systems::stepping::{Advance, AdvanceSystems, is_due};
+use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
 use super::end_run::end_run;
@@ -22,6 +22,7 @@ use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_incremen
 use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
+use super::scale::{is_scaled, scale};
 use super::script::{Script, StageEnd};
 pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
@@ -41,8 +42,8 @@ pub struct WallPlugins;
 /// Registers that a plugin drives walls.
 pub trait ProvideWalls {
     /// The plugin has systems in
-    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive walls
-    /// with the control `Custom`.
+    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive
+    /// walls with the control `Custom`.
     fn provide_walls(&mut self) -> &mut Self;
 }
 
@@ -99,7 +100,12 @@ impl Plugin for ScenePlugin {
             .init_resource::<MeasureKinds>()
             .init_resource::<Before>()
             .add_systems(BeginStage, begin_built_in.in_set(StageSystems::BuiltIn))
-            .add_systems(AttemptIncrement, grow.before(AttemptSystems::Detect).run_if(are_growing))
+            .add_systems(
+                AttemptIncrement,
+                (grow.run_if(are_growing), scale.run_if(is_scaled))
+                    .chain()
+                    .before(AttemptSystems::Detect),
+            )
             .add_systems(
                 Increment,
                 keep_radii
@@ -109,9 +115,9 @@ impl Plugin for ScenePlugin {
                     .run_if(committed),
             )
             .add_systems(EndStage, end_built_in.in_set(StageSystems::BuiltIn))
-            .configure_sets(Advance, StageSystems::Stop.in_set(AdvanceSystems::End))
+            .configure_sets(AdvanceIncrement, StageSystems::Stop.in_set(AdvanceSystems::End))
             .add_systems(
-                Advance,
+                AdvanceIncrement,
                 (
                     (
                         change_stages,

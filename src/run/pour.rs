@@ -6,7 +6,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{Group, Origin, Position, Velocity};
+use clastic_components::body::{BodyOrigin, BodyPosition, BodyVelocity, Group};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::poured::Poured;
@@ -79,9 +79,9 @@ pub(super) fn pour(world: &mut World) {
         room.take(place, grain.disk.radius);
         let mut entity = world.spawn((
             grain.disk,
-            Position(place),
-            Origin(place),
-            Velocity(stream.velocity.into()),
+            BodyPosition(place),
+            BodyOrigin(place),
+            BodyVelocity(stream.velocity.into()),
             MaterialIndex(grain.material),
         ));
         if let Some(group) = &stream.group {

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::Position;
+use clastic_components::body::BodyPosition;
 use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
 use clastic_components::wall_shape::WallShape;
@@ -26,9 +26,9 @@ pub(super) struct Room {
 
 impl Room {
     pub(super) fn new(world: &mut World) -> Self {
-        let mut disks = world.query::<(&Particle, &Position)>();
+        let mut disks = world.query::<(&Particle, &BodyPosition)>();
         let disks = disks.iter(world).map(|(disk, place)| (place.0, disk.radius)).collect();
-        let mut walls = world.query::<(&Wall, &Position, Option<&WallShape>)>();
+        let mut walls = world.query::<(&Wall, &BodyPosition, Option<&WallShape>)>();
         let walls = walls.iter(world);
         let walls = walls.map(|(wall, x, shape)| (x.0, *wall, shape.copied().unwrap_or_default()));
         Self { disks, walls: walls.collect() }

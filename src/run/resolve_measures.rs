@@ -1,11 +1,12 @@
 //! Measures of a scene: from names to bodies.
 
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::RuptureMode;
 use clastic_components::measure::{
-    CrackSums, NamedMeasures, Quantity, StrainPath, StrainReference,
+    CrackSums, GrainAmount, NamedMeasures, Quantity, StrainPath, StrainReference,
 };
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, StrainMeasure, StressMeasure,
@@ -54,8 +55,10 @@ fn keep_what_is_needed(world: &mut World, roles: [Option<StrainMeasure>; 2]) {
     let list = &world.resource::<NamedMeasures>().list;
     let has = |needs: fn(&Quantity) -> bool| list.iter().filter_map(|(_, q)| q.as_ref()).any(needs);
     let region = |strain: &StrainMeasure| matches!(strain, StrainMeasure::Region { .. });
-    let regions = has(|q| matches!(q, Quantity::Strain(StrainMeasure::Region { .. })))
-        || roles.iter().flatten().any(region);
+    let regions = has(|q| {
+        matches!(q, Quantity::Strain(StrainMeasure::Region { .. }))
+            || matches!(q, Quantity::Grains { moved, .. } if *moved > 0.0)
+    }) || roles.iter().flatten().any(region);
     let path = has(|q| matches!(q, Quantity::DilationAngle { .. }));
     let cracks = has(|q| matches!(q, Quantity::Cracks { .. }));
     if regions {
@@ -135,6 +138,21 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
         }
         scene::Quantity::Poured(amount) => {
             Quantity::Poured { mass: *amount == scene::Amount::Mass }
+        }
+        scene::Quantity::Grains { amount, min, max, moved } => {
+            let corner = |corner: Option<(f64, f64)>, none: f64| {
+                corner.map_or(DVec2::splat(none), DVec2::from)
+            };
+            Quantity::Grains {
+                amount: match amount {
+                    scene::Amount::Number => GrainAmount::Number,
+                    scene::Amount::Mass => GrainAmount::Mass,
+                    scene::Amount::Share => GrainAmount::Share,
+                },
+                min: corner(*min, f64::NEG_INFINITY),
+                max: corner(*max, f64::INFINITY),
+                moved: *moved,
+            }
         }
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),

@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::body::{
-    AngularVelocity, BodyId, Drive, Drives, ExternalForce, LoadControl, Origin, Position, Probe,
-    Rotation, Velocity,
+    BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
+    BodyVelocity, ExternalForce, LoadControl, Probe,
 };
 use clastic_components::increment::Analysis;
 use clastic_components::particle::Particle;
@@ -57,7 +57,7 @@ fn set_control(
     analysis: &Analysis,
 ) {
     let get = |world: &World| {
-        let drives = world.get::<Drives>(entity).map(|drives| drives.0).unwrap_or_default();
+        let drives = world.get::<BodyDrives>(entity).map(|drives| drives.0).unwrap_or_default();
         let loads = world.get::<LoadControl>(entity).map(|loads| loads.0).unwrap_or_default();
         let reaction = world.get::<ExternalForce>(entity).map(|force| force.0).unwrap_or_default();
         (drives, loads, reaction)
@@ -72,28 +72,28 @@ fn set_control(
         let before = drives[k];
         drives[k] = match (control, before) {
             (Some(control), _) => drive(control.motions()[k].1, analysis),
-            (None, Drive::Imposed(_)) => Drive::Imposed(0.0),
-            (None, Drive::Free) => Drive::Free,
+            (None, BodyDrive::Imposed(_)) => BodyDrive::Imposed(0.0),
+            (None, BodyDrive::Free) => BodyDrive::Free,
         };
         let (from, to) = match before {
-            Drive::Free => (loads[k].1, loads[k].1),
-            Drive::Imposed(_) => (reaction[k], 0.0),
+            BodyDrive::Free => (loads[k].1, loads[k].1),
+            BodyDrive::Imposed(_) => (reaction[k], 0.0),
         };
         loads[k] = match drives[k] {
-            Drive::Free => (from, wanted[k].unwrap_or(to)),
-            Drive::Imposed(_) => (0.0, 0.0),
+            BodyDrive::Free => (from, wanted[k].unwrap_or(to)),
+            BodyDrive::Imposed(_) => (0.0, 0.0),
         };
     }
-    world.entity_mut(entity).insert((Drives(drives), LoadControl(loads)));
+    world.entity_mut(entity).insert((BodyDrives(drives), LoadControl(loads)));
 }
 
 type Particles<'a> = (
     &'a BodyId,
     &'a Particle,
-    &'a Position,
-    &'a Rotation,
-    &'a mut Velocity,
-    &'a mut AngularVelocity,
+    &'a BodyPosition,
+    &'a BodyRotation,
+    &'a mut BodyVelocity,
+    &'a mut BodyAngularVelocity,
 );
 
 /// Makes a group of the selected particles and the named walls. The particles take the velocities
@@ -136,7 +136,7 @@ fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
         wall.insert(WallControl::Fixed).remove::<(WallSlide, WallTable)>();
         let turned = wall.entry::<WallRotation>().or_default().get().0;
         reference.get_or_insert(turned);
-        let arm = wall.get::<Position>().map_or(DVec2::ZERO, |x| x.0 - state.centre);
+        let arm = wall.get::<BodyPosition>().map_or(DVec2::ZERO, |x| x.0 - state.centre);
         let [x, y, moment] = wall.get::<ExternalForce>().map_or([0.0; 3], |force| force.0);
         carried[0] += x;
         carried[1] += y;
@@ -150,12 +150,12 @@ fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
             has_pivot: about.is_some(),
             reference: reference.unwrap_or_default(),
         },
-        Position(state.centre),
-        Origin(state.centre),
+        BodyPosition(state.centre),
+        BodyOrigin(state.centre),
         Probe(name.to_owned()),
     ));
     if !control.walls.is_empty() {
-        group.insert((Drives([Drive::Imposed(0.0); 3]), ExternalForce(carried)));
+        group.insert((BodyDrives([BodyDrive::Imposed(0.0); 3]), ExternalForce(carried)));
     }
 }
 
@@ -235,11 +235,11 @@ fn moving_pivot(world: &mut World, stage: &scene::Load) -> Option<String> {
     if kind == scene::Analysis::Static {
         return None;
     }
-    let mut groups = world.query::<(&RigidGroup, &Drives)>();
+    let mut groups = world.query::<(&RigidGroup, &BodyDrives)>();
     let kept = groups
         .iter(world)
         .filter(|(group, _)| group.has_pivot && !stage.release.contains(&group.name));
-    let free = |drives: &Drives| drives.0[..2].contains(&Drive::Free);
+    let free = |drives: &BodyDrives| drives.0[..2].contains(&BodyDrive::Free);
     let is_held = |control: &scene::RigidControl| {
         [control.x, control.y].iter().all(|motion| *motion == scene::Motion::Held)
     };

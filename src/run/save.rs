@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_systems::stepping::Halted;
+use clastic_systems::stepping::ClasticHalted;
 
 use super::script::{EndedBy, Script};
 use crate::saved;
@@ -36,7 +36,7 @@ pub fn save(world: &mut World, stage: &Save) {
             world.get_resource_or_init::<SavedStates>().0.push((stage.file(), tables));
         }
         Err(error) => {
-            world.insert_resource(Halted(format!("stage `{}`: {error}", stage.name)));
+            world.insert_resource(ClasticHalted(format!("stage `{}`: {error}", stage.name)));
         }
     }
 }

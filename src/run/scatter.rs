@@ -1,8 +1,8 @@
 //! Scatter of bonds: the law of one bond from that of its material.
 //!
 //! The draws of a bond depend on the seed and on where its two bodies were at the start of the run
-//! ([`Origin`]), which is stored with them. They do not depend on the order of the particles, nor
-//! on that in which bonds are made.
+//! ([`BodyOrigin`]), which is stored with them. They do not depend on the order of the particles,
+//! nor on that in which bonds are made.
 
 use glam::DVec2;
 use libm::{exp, log, pow, sqrt, tgamma};
@@ -15,7 +15,7 @@ use super::laws::bond_law;
 use crate::scene::format::{Bond, Spread};
 
 #[allow(unused_imports, reason = "named in the documentation")]
-use clastic_components::body::Origin;
+use clastic_components::body::BodyOrigin;
 
 /// The law of a bond between bodies that were at these places at the start of the run, m.
 #[must_use]

@@ -63,16 +63,19 @@ pub struct StageEnd {
     pub capped: u64,
     /// What ended the stage; `None` for the current stage.
     pub ended_by: Option<EndedBy>,
-    /// The stop condition as the scene writes it: the one that was met with [`EndedBy::Stop`], and with
-    /// [`EndedBy::AllIncrements`] the first one if none was met, before others an `Until`.
+    /// The stop condition as the scene writes it: the one that was met with [`EndedBy::Stop`], and
+    /// with [`EndedBy::AllIncrements`] the first one if none was met, before others an `Until`.
     pub stop: Option<Stop>,
     /// The measure of an `Until` that has passed its value by more than the tolerance.
     pub passed: Option<f64>,
+    /// Porosity of the packing that a compaction has left jammed.
+    pub jammed_at: Option<f64>,
 }
 
 impl StageEnd {
     /// Warning about capped increments, about a measure that has passed the value on which it
-    /// should land, and about stop conditions that never held; `None` if the stage has none of them.
+    /// should land, and about stop conditions that never held; `None` if the stage has none of
+    /// them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let all = [self.capped_warning(), self.passed_warning(), self.missed_warning()];
@@ -156,7 +159,7 @@ impl Script {
     }
 }
 
-/// Result of one run of [`Advance`](clastic_systems::stepping::Advance).
+/// Result of one run of [`AdvanceIncrement`](clastic_systems::stepping::AdvanceIncrement).
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Step {
     /// An increment ended; [`Observation`](clastic_components::observation::Observation) holds its

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, Group, Position, Probe};
+use clastic_components::body::{BodyId, BodyPosition, Group, Probe};
 use clastic_components::material::Materials;
 use clastic_components::particle::{MaterialIndex, Particle};
 
@@ -72,7 +72,7 @@ pub fn selected(world: &mut World, select: &Select) -> Vec<(BodyId, Entity)> {
     let mut particles = world.query_filtered::<(
         Entity,
         &BodyId,
-        &Position,
+        &BodyPosition,
         &MaterialIndex,
         Option<&Group>,
         Option<&Probe>,

@@ -70,5 +70,11 @@ pub fn analysis(scene: &scene::Scene, kind: scene::Analysis, gravity: (f64, f64)
         }
         scene::Analysis::Dynamic { dt, theta } => (inc::AnalysisKind::Dynamic { dt, theta }, None),
     };
-    inc::Analysis { kind, gravity: gravity.into(), thickness: scene.thickness, path_theta }
+    inc::Analysis {
+        kind,
+        gravity: gravity.into(),
+        strength: 1.0,
+        thickness: scene.thickness,
+        path_theta,
+    }
 }

@@ -4,10 +4,12 @@ use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AngularVelocity, BodyId, Group, Origin, Position, Probe, Velocity};
+use clastic_components::body::{
+    BodyAngularVelocity, BodyId, BodyOrigin, BodyPosition, BodyVelocity, Group, Probe,
+};
 use clastic_components::energy::EnergyLedger;
 use clastic_components::particle::{MaterialIndex, Particle};
-use clastic_systems::identities::{Identities, NextIdentities};
+use clastic_systems::identities::{IdentityTable, NextIdentities};
 
 use super::begin_script::begin_script;
 use super::minerals::specimen;
@@ -45,10 +47,10 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         let mut entity = world.spawn((
             BodyId(i as u32),
             Particle::disk(seed.radius, density, scene.thickness),
-            Position(seed.position),
-            Origin(seed.position),
-            Velocity(seed.velocity),
-            AngularVelocity(seed.angular_velocity),
+            BodyPosition(seed.position),
+            BodyOrigin(seed.position),
+            BodyVelocity(seed.velocity),
+            BodyAngularVelocity(seed.angular_velocity),
             MaterialIndex(index as u32),
         ));
         if let Some(group) = &seed.group {
@@ -67,7 +69,7 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     }
     // Walls that come later have the identities after the particles too.
     let body = world.resource::<WallCatalogue>().first_of(scene.walls.len());
-    world.get_resource_or_init::<Identities>().skip_to(NextIdentities { body, bond: 0 });
+    world.get_resource_or_init::<IdentityTable>().skip_to(NextIdentities { body, bond: 0 });
     if scene.output.energy {
         world.insert_resource(EnergyLedger::default());
     }

@@ -24,8 +24,9 @@ pub enum StageSystems {
     BuiltIn,
     /// Systems of a plugin for its kinds of stages: in [`BeginStage`] and [`EndStage`].
     Custom,
-    /// Stop conditions of a plugin: in [`Advance`](clastic_systems::stepping::Advance), after the
-    /// increment. They set [`Script::stop`](super::script::Script::stop).
+    /// Stop conditions of a plugin: in
+    /// [`AdvanceIncrement`](clastic_systems::stepping::AdvanceIncrement), after the increment. They
+    /// set [`Script::stop`](super::script::Script::stop).
     Stop,
 }
 

@@ -6,7 +6,7 @@ use clastic_components::increment::Progress;
 use clastic_components::observation::Measures;
 use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
-use clastic_systems::stepping::Due;
+use clastic_systems::stepping::IncrementDue;
 
 use super::measures::MeasureKinds;
 use super::resolve_measures::resolve_measures;
@@ -69,7 +69,7 @@ pub fn change_stages(world: &mut World) {
         }
         end(world, stage);
     };
-    world.insert_resource(Due(due));
+    world.insert_resource(IncrementDue(due));
 }
 
 /// Why a stage cannot begin.
@@ -82,7 +82,8 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
             grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
         }
         Stage::Save(stage) => save::refusal(world, stage),
-        Stage::Custom(_) | Stage::Cement(_) => None,
+        Stage::Cement(stage) => cement::refusal(world, stage),
+        Stage::Custom(_) => None,
     }
 }
 
@@ -116,6 +117,7 @@ fn begin(world: &mut World, stage: Stage) {
         ended_by: None,
         stop: None,
         passed: None,
+        jammed_at: None,
     };
     script.ends.push(end);
     script.peak = 0.0;

@@ -9,9 +9,9 @@ use clastic_components::energy::EnergyLedger;
 use clastic_components::membrane::Membrane;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::wall::Wall;
-use clastic_systems::identities::Identities;
+use clastic_systems::identities::IdentityTable;
 use clastic_systems::state::StateError;
-use clastic_systems::stepping::Halted;
+use clastic_systems::stepping::ClasticHalted;
 
 use super::begin_script::begin_script;
 use super::membranes;
@@ -33,7 +33,7 @@ pub(super) fn from_saved(
 ) {
     insert_settings(world, scene, saved.counts.next.body);
     if let Err(error) = restore(world, scene, state, saved) {
-        world.insert_resource(Halted(format!("the saved state cannot be used: {error}")));
+        world.insert_resource(ClasticHalted(format!("the saved state cannot be used: {error}")));
     }
     begin_script(world, scene);
     membranes::renew(world);
@@ -134,5 +134,5 @@ fn walls(world: &mut World, scene: &Scene, state: &StoredState, saved: &SavedSta
     }
     let mut next = saved.counts.next;
     next.body += scene.walls.iter().map(count).sum::<u32>();
-    world.get_resource_or_init::<Identities>().skip_to(next);
+    world.get_resource_or_init::<IdentityTable>().skip_to(next);
 }

@@ -3,8 +3,8 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyId, LoadControl, Origin};
-use clastic_components::contact::Bodies;
+use clastic_components::body::{BodyId, BodyOrigin, LoadControl};
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::Progress;
 use clastic_components::measure::NamedMeasures;
@@ -177,7 +177,7 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
         }
         // The failed increment has renumbered the tables that are kept by row.
         let mut rows = KeptRows::of(before.rows.clone());
-        let bodies = world.resource::<Bodies>();
+        let bodies = world.resource::<BodyTable>();
         rows.follow(bodies);
         if rows.is_needed() && !before.solver.is_empty() {
             state.set(SOLVER_MEMORY, &rows.table(&before.solver, bodies.ids.len()))?;
@@ -245,7 +245,7 @@ impl StateView {
         };
         let materials: MaterialNames = state.get(MATERIALS)?;
         let particles = state.components::<BodyId, Particle>("particle")?;
-        let origins = state.components::<BodyId, Origin>("origin")?;
+        let origins = state.components::<BodyId, BodyOrigin>("origin")?;
         let indices = state.components::<BodyId, MaterialIndex>("material")?;
         let origin = |id| origins.binary_search_by_key(&id, |(id, _)| *id).ok();
         let rows = particles.iter().zip(&indices).filter_map(|((id, particle), (_, index))| {

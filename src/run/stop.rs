@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::body::Velocity;
+use clastic_components::body::BodyVelocity;
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_components::poured::Poured;
@@ -12,6 +12,7 @@ use clastic_systems::attempt::proof::proof;
 
 use super::advice::with_advice;
 use super::end_load;
+use super::jam;
 use super::measure_error::error_of;
 use super::measures::reading;
 use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script};
@@ -41,7 +42,7 @@ pub fn end_increment(world: &mut World) {
     let index = world.resource::<Progress>().stage;
     let Some(stage) = world.resource::<Script>().stage(index).cloned() else { return };
     let stage = &stage;
-    if until::repeats(world, stage) {
+    if until::repeats(world, stage) || jam::ends(world, stage) {
         return;
     }
     let (status, complaint) = {
@@ -108,10 +109,9 @@ fn error_of_stress(world: &mut World) -> f64 {
 
 /// The first stop condition of the stage that is met.
 fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
-    let load = stage.load()?;
     let stress = world.resource::<Observation>().axial_stress;
     let time = world.resource::<Progress>().time;
-    let mut velocities = world.query::<&Velocity>();
+    let mut velocities = world.query::<&BodyVelocity>();
     let maximum = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
     let mut script = world.resource_mut::<Script>();
     let last = script.speed.replace(maximum);
@@ -120,7 +120,7 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     }
     // The peak is negative in a tension test.
     let (peak, sign) = (script.peak.abs(), script.peak.signum());
-    let held = load.stop.iter().find(|stop| match **stop {
+    let held = stage.stop().iter().find(|stop| match **stop {
         // A drop below the error of the stress may be caused by this error.
         Stop::StressDrop(fraction) => {
             stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)

@@ -12,7 +12,7 @@ use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::increment::Progress;
 use clastic_components::observation::Observation;
 use clastic_systems::state::{StateOf, WorldState};
-use clastic_systems::stepping::{Due, Halted, Undone};
+use clastic_systems::stepping::{ClasticHalted, IncrementDue, IncrementUndone};
 
 use super::landing::{Next, Point, RESOLUTION, Search, Side, Try};
 use super::measure_error::error_of;
@@ -72,8 +72,7 @@ pub struct Undoable {
 }
 
 fn until(stage: &Stage) -> Option<(&str, f64)> {
-    let stage = stage.load()?;
-    stage.stop.iter().find_map(|stop| match stop {
+    stage.stop().iter().find_map(|stop| match stop {
         Stop::Until(name, value) => Some((name.as_str(), *value)),
         _ => None,
     })
@@ -121,7 +120,7 @@ pub(super) fn keep_state(world: &mut World) {
     let state = match capture(world) {
         Ok(state) => state,
         Err(error) => {
-            world.insert_resource(Halted(format!("the state before an increment: {error}")));
+            world.insert_resource(ClasticHalted(format!("the state before an increment: {error}")));
             return;
         }
     };
@@ -138,7 +137,7 @@ pub(super) fn keep_state(world: &mut World) {
 /// `Until` of the stage. Whether it has done so.
 pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
     // See `forget_halted`.
-    if world.contains_resource::<Halted>() {
+    if world.contains_resource::<ClasticHalted>() {
         return false;
     }
     let Some(mut undoable) = world.remove_resource::<Undoable>() else { return false };
@@ -167,7 +166,10 @@ pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
 }
 
 /// Run condition: the world was halted within an increment that may be undone.
-pub(super) fn is_halted(halted: Option<Res<Halted>>, undoable: Option<Res<Undoable>>) -> bool {
+pub(super) fn is_halted(
+    halted: Option<Res<ClasticHalted>>,
+    undoable: Option<Res<Undoable>>,
+) -> bool {
     halted.is_some() && undoable.is_some()
 }
 
@@ -205,14 +207,14 @@ fn begin_anew(world: &mut World, undoable: &Undoable, name: &str, value: f64) ->
 
 /// Rewinds the world to the state before the increment. Whether this is possible.
 fn undo(world: &mut World, undoable: &Undoable) -> bool {
-    world.insert_resource(Due(false));
+    world.insert_resource(IncrementDue(false));
     if let Err(error) = rewind(world, &undoable.state) {
         // A part of the state is that before the increment, and a part that after it.
-        world.insert_resource(Halted(format!("an increment cannot be undone: {error}")));
+        world.insert_resource(ClasticHalted(format!("an increment cannot be undone: {error}")));
         return false;
     }
     world.resource_mut::<Script>().stop = undoable.stop;
-    world.insert_resource(Undone(true));
+    world.insert_resource(IncrementUndone(true));
     true
 }
 
@@ -264,6 +266,7 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
 /// with room left.
 pub(super) fn missed(world: &World, stage: &Stage) -> Option<Stop> {
     let Some((name, value)) = until(stage) else {
+        // A compaction has reached its target.
         let stops = &stage.load()?.stop;
         return stops.iter().find(|stop| !matches!(stop, Stop::Full(_))).cloned();
     };

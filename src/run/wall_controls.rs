@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, ExternalForce, LastMotion, Position};
+use clastic_components::body::{BodyId, BodyPosition, ExternalForce, LastMotion};
 use clastic_components::increment::Analysis;
 use clastic_components::wall::{
     LoadedLength, TableOf, Wall, WallControl, WallName, WallRotation, WallSlide, WallTable,
@@ -15,8 +15,8 @@ use clastic_systems::measures::stress::as_it_carried;
 use super::walls::find_wall;
 use crate::scene::format as scene;
 
-/// Sets the controls of all walls for a loading stage. A load starts from the last load of the wall,
-/// or from the reaction of a wall that was held or driven.
+/// Sets the controls of all walls for a loading stage. A load starts from the last load of the
+/// wall, or from the reaction of a wall that was held or driven.
 pub(super) fn set(world: &mut World, stage: &scene::Load) {
     let mut query = world.query_filtered::<(Entity, &BodyId, &WallName), With<Wall>>();
     let mut walls: Vec<_> =
@@ -122,7 +122,8 @@ fn stress_length(
     };
     let between = between.and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
     let length = between.map_or(LoadedLength::Segment, |(a, b)| LoadedLength::Between(a, b));
-    let measure = move |geometry: Query<(&Wall, &Position)>| loaded_length(wall, length, &geometry);
+    let measure =
+        move |geometry: Query<(&Wall, &BodyPosition)>| loaded_length(wall, length, &geometry);
     let metres = world.run_system_once(measure).unwrap_or(1.0);
     (length, metres * world.resource::<Analysis>().thickness)
 }

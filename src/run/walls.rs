@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, Origin, Position, Probe};
+use clastic_components::body::{BodyId, BodyOrigin, BodyPosition, Probe};
 use clastic_components::wall::WallName;
 use clastic_components::wall_shape::WallShape;
 
@@ -56,8 +56,8 @@ pub fn spawn_wall(world: &mut World, name: &str) {
             BodyId(id),
             piece.wall,
             WallName(wall.name.clone()),
-            Position(piece.position),
-            Origin(piece.position),
+            BodyPosition(piece.position),
+            BodyOrigin(piece.position),
             contact_law(&wall.contact),
         ));
         if piece.shape != WallShape::Line {

@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use clastic_components::body::BodyId;
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, ContactMemory};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 use clastic_systems::solve_program::SOLVER_MEMORY;
@@ -33,7 +33,7 @@ pub(super) fn write(
     tables.put("contacts.p_n", column(|m| m.p));
     tables.put("contacts.q_n", column(|m| m.q));
     tables.put("contacts.tau_nm", column(|m| m.tau));
-    let bodies = world.resource::<Bodies>();
+    let bodies = world.resource::<BodyTable>();
     let found: Vec<_> =
         history.0.iter().map(|m| contact(bodies, BodyId(id(m.a)), BodyId(id(m.b)))).collect();
     let normals = found.iter().map(|c| c.map_or([f64::NAN; 2], |c| c.normal.to_array()));
@@ -53,7 +53,7 @@ pub(super) fn write(
 }
 
 /// The contact of two bodies where they are; `None` if one of them is gone.
-fn contact(bodies: &Bodies, a: BodyId, b: BodyId) -> Option<Contact> {
+fn contact(bodies: &BodyTable, a: BodyId, b: BodyId) -> Option<Contact> {
     let (a, b) = (bodies.row(a)? as u32, bodies.row(b)? as u32);
     match bodies.walls.iter().find(|wall| wall.body == b) {
         Some(wall) => Some(wall_contact(bodies, a, wall)),

@@ -1,8 +1,8 @@
 //! The rigid groups of a saved state.
 
 use clastic_components::body::{
-    BodyId, Drive, Drives, ExternalForce, LastMotion, LoadControl, Origin, Position, Probe, Ramp,
-    Rotation,
+    BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation, ExternalForce,
+    LastMotion, LoadControl, Probe, Ramp,
 };
 use clastic_components::increment::Progress;
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
@@ -66,11 +66,11 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     tables.put("rigid.member", Array::u32(members().map(|(_, member)| member).collect()));
     tables.put("rigid.member_of", Array::u32(members().map(|(group, _)| group).collect()));
 
-    let positions = each::<Position>(state, "position", ids)?;
+    let positions = each::<BodyPosition>(state, "position", ids)?;
     tables.put("rigid.position_m", Array::vectors(positions.iter().map(|x| x.0.to_array())));
-    let origins = each::<Origin>(state, "origin", ids)?;
+    let origins = each::<BodyOrigin>(state, "origin", ids)?;
     tables.put("rigid.origin_m", Array::vectors(origins.iter().map(|x| x.0.to_array())));
-    let rotations = each::<Rotation>(state, "rotation", ids)?;
+    let rotations = each::<BodyRotation>(state, "rotation", ids)?;
     tables.put("rigid.rotation_rad", Array::f64(rotations.iter().map(|r| r.0).collect()));
     let motions = each::<LastMotion>(state, "last_motion", ids)?;
     tables.put("rigid.last_motion", Array::vectors(motions.iter().map(|u| u.0)));
@@ -87,10 +87,10 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     let ends = |of: fn(Ramp) -> f64| Array::vectors(applied.iter().map(move |l| l.map(of)));
     tables.put("rigid.applied_from", ends(|load| load.from));
     tables.put("rigid.applied_to", ends(|load| load.to));
-    let drives = each::<Drives>(state, "drives", ids)?;
-    let imposed = |drive: Drive| match drive {
-        Drive::Free => None,
-        Drive::Imposed(u) => Some(u),
+    let drives = each::<BodyDrives>(state, "drives", ids)?;
+    let imposed = |drive: BodyDrive| match drive {
+        BodyDrive::Free => None,
+        BodyDrive::Imposed(u) => Some(u),
     };
     let flags = drives.iter().map(|d| d.0.map(|drive| imposed(drive).is_some()));
     tables.put("rigid.imposed", Array::flags(flags));
@@ -128,11 +128,11 @@ pub(super) fn read(
     let pairs = |name: &str| tables.vectors::<2>(name, n);
     let triples = |name: &str| tables.vectors::<3>(name, n);
     let places = pairs("rigid.position_m")?;
-    add(state, "position", ids, places.into_iter().map(|x| Some(Position(x.into()))))?;
+    add(state, "position", ids, places.into_iter().map(|x| Some(BodyPosition(x.into()))))?;
     let origins = pairs("rigid.origin_m")?;
-    add(state, "origin", ids, origins.into_iter().map(|x| Some(Origin(x.into()))))?;
+    add(state, "origin", ids, origins.into_iter().map(|x| Some(BodyOrigin(x.into()))))?;
     let rotations = scalars("rigid.rotation_rad")?;
-    add(state, "rotation", ids, rotations.iter().map(|r| Some(Rotation(*r))))?;
+    add(state, "rotation", ids, rotations.iter().map(|r| Some(BodyRotation(*r))))?;
     let motions = triples("rigid.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("rigid.external_force")?;
@@ -149,9 +149,9 @@ pub(super) fn read(
     add(state, "applied_load", ids, applied)?;
     let flags = tables.bool("rigid.imposed", &[n, 3])?.as_chunks::<3>().0;
     let drives = flags.iter().zip(triples("rigid.imposed_motion")?).map(|(imposed, value)| {
-        Some(Drives([0, 1, 2].map(|k| match imposed[k] {
-            true => Drive::Imposed(value[k]),
-            false => Drive::Free,
+        Some(BodyDrives([0, 1, 2].map(|k| match imposed[k] {
+            true => BodyDrive::Imposed(value[k]),
+            false => BodyDrive::Free,
         })))
     });
     add(state, "drives", ids, drives)?;

@@ -1,8 +1,8 @@
 //! The particles of a saved state.
 
 use clastic_components::body::{
-    AngularVelocity, BodyId, Drive, Drives, ExternalForce, Group, LastMotion, LoadControl, Origin,
-    Position, Probe, Ramp, Rotation, Velocity,
+    BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
+    BodyVelocity, ExternalForce, Group, LastMotion, LoadControl, Probe, Ramp,
 };
 use clastic_components::increment::Progress;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
@@ -57,18 +57,18 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     let ids = ids.as_slice();
     let progress: Progress = state.get(PROGRESS)?;
     tables.put("particles.id", Array::u32(ids.iter().map(|id| id.0).collect()));
-    let positions = each::<Position>(state, "position", ids)?;
+    let positions = each::<BodyPosition>(state, "position", ids)?;
     tables.put("particles.position_m", Array::vectors(positions.iter().map(|x| x.0.to_array())));
-    let rotations = each::<Rotation>(state, "rotation", ids)?;
+    let rotations = each::<BodyRotation>(state, "rotation", ids)?;
     tables.put("particles.rotation_rad", Array::f64(rotations.iter().map(|r| r.0).collect()));
     let column = |of: fn(&Particle) -> f64| particles.iter().map(|(_, p)| of(p)).collect();
     tables.put("particles.radius_m", Array::f64(column(|p| p.radius)));
     tables.put("particles.mass_kg", Array::f64(column(|p| p.mass)));
     tables.put("particles.inertia_kg_m2", Array::f64(column(|p| p.inertia)));
-    let velocities = each::<Velocity>(state, "velocity", ids)?;
+    let velocities = each::<BodyVelocity>(state, "velocity", ids)?;
     tables.put("particles.velocity_m_s", Array::vectors(velocities.iter().map(|v| v.0.to_array())));
     let spins =
-        each::<AngularVelocity>(state, "angular_velocity", ids)?.iter().map(|w| w.0).collect();
+        each::<BodyAngularVelocity>(state, "angular_velocity", ids)?.iter().map(|w| w.0).collect();
     tables.put("particles.angular_velocity_rad_s", Array::f64(spins));
     let materials = each::<MaterialIndex>(state, "material", ids)?;
     tables.put("particles.material", Array::u32(materials.iter().map(|m| m.0).collect()));
@@ -78,7 +78,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     let probes = of::<Probe>(state, "probe", ids)?.into_iter();
     let probes = probes.map(|probe| probe.map(|probe| probe.0).unwrap_or_default());
     tables.put("particles.probe", Array::text(probes));
-    let origins = each::<Origin>(state, "origin", ids)?;
+    let origins = each::<BodyOrigin>(state, "origin", ids)?;
     tables.put("particles.origin_m", Array::vectors(origins.iter().map(|x| x.0.to_array())));
     let motions = each::<LastMotion>(state, "last_motion", ids)?;
     tables.put("particles.last_motion", Array::vectors(motions.iter().map(|u| u.0)));
@@ -93,10 +93,10 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     let ends = |of: fn(Ramp) -> f64| Array::vectors(applied.iter().map(move |l| l.map(of)));
     tables.put("particles.applied_from", ends(|load| load.from));
     tables.put("particles.applied_to", ends(|load| load.to));
-    let drives = each::<Drives>(state, "drives", ids)?;
-    let imposed = |drive: Drive| match drive {
-        Drive::Free => None,
-        Drive::Imposed(u) => Some(u),
+    let drives = each::<BodyDrives>(state, "drives", ids)?;
+    let imposed = |drive: BodyDrive| match drive {
+        BodyDrive::Free => None,
+        BodyDrive::Imposed(u) => Some(u),
     };
     let flags = drives.iter().map(|d| d.0.map(|drive| imposed(drive).is_some()));
     tables.put("particles.imposed", Array::flags(flags));
@@ -129,19 +129,20 @@ pub(super) fn read(
     }
     let disks = radii.iter().zip(masses).zip(scalars("particles.inertia_kg_m2")?);
     let disks = disks.map(|((radius, mass), inertia)| {
-        Some(Particle { radius: *radius, mass: *mass, inertia: *inertia })
+        let (radius, mass) = (*radius, *mass);
+        Some(Particle { radius, mass, inertia: *inertia, thickness: None })
     });
     add(state, "particle", ids, disks)?;
     let places = pairs("particles.position_m")?;
-    add(state, "position", ids, places.into_iter().map(|x| Some(Position(x))))?;
+    add(state, "position", ids, places.into_iter().map(|x| Some(BodyPosition(x))))?;
     let origins = pairs("particles.origin_m")?;
-    add(state, "origin", ids, origins.into_iter().map(|x| Some(Origin(x))))?;
+    add(state, "origin", ids, origins.into_iter().map(|x| Some(BodyOrigin(x))))?;
     let rotations = scalars("particles.rotation_rad")?;
-    add(state, "rotation", ids, rotations.iter().map(|r| Some(Rotation(*r))))?;
+    add(state, "rotation", ids, rotations.iter().map(|r| Some(BodyRotation(*r))))?;
     let velocities = pairs("particles.velocity_m_s")?;
-    add(state, "velocity", ids, velocities.into_iter().map(|v| Some(Velocity(v))))?;
+    add(state, "velocity", ids, velocities.into_iter().map(|v| Some(BodyVelocity(v))))?;
     let spins = scalars("particles.angular_velocity_rad_s")?;
-    add(state, "angular_velocity", ids, spins.iter().map(|w| Some(AngularVelocity(*w))))?;
+    add(state, "angular_velocity", ids, spins.iter().map(|w| Some(BodyAngularVelocity(*w))))?;
     let indices = tables.u32("particles.material", &[n])?;
     if let Some(row) = indices.iter().position(|m| *m as usize >= materials) {
         let what = format!("material {} in row {row}, of {materials}", indices[row]);
@@ -166,9 +167,9 @@ pub(super) fn read(
     add(state, "applied_load", ids, applied)?;
     let flags = tables.bool("particles.imposed", &[n, 3])?.as_chunks::<3>().0;
     let drives = flags.iter().zip(triples("particles.imposed_motion")?).map(|(imposed, value)| {
-        Some(Drives([0, 1, 2].map(|k| match imposed[k] {
-            true => Drive::Imposed(value[k]),
-            false => Drive::Free,
+        Some(BodyDrives([0, 1, 2].map(|k| match imposed[k] {
+            true => BodyDrive::Imposed(value[k]),
+            false => BodyDrive::Free,
         })))
     });
     add(state, "drives", ids, drives)?;

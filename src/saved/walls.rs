@@ -1,6 +1,8 @@
 //! The walls of a saved state: those of the scene, whether they are there or not, then others.
 
-use clastic_components::body::{BodyId, ExternalForce, LastMotion, Origin, Position, Probe};
+use clastic_components::body::{
+    BodyId, BodyOrigin, BodyPosition, ExternalForce, LastMotion, Probe,
+};
 use clastic_components::material::ContactLaw;
 use clastic_components::wall::{Wall, WallName};
 use clastic_systems::state::{StateError, WorldState};
@@ -64,7 +66,8 @@ pub(super) fn write(
     ids[listed..].sort_unstable();
     let ids = ids.as_slice();
     let walls = of::<Wall>(state, "wall", ids)?;
-    let middles: Vec<_> = of::<Position>(state, "position", ids)?.iter().map(position).collect();
+    let middles: Vec<_> =
+        of::<BodyPosition>(state, "position", ids)?.iter().map(position).collect();
     let drawn = |k: usize| -> [DVec2; 2] {
         match of_row.get(k) {
             Some(wall) => [wall.start.into(), wall.end.into()],
@@ -96,7 +99,7 @@ pub(super) fn write(
     tables.put("walls.drawn_start_m", Array::vectors(all().map(|k| drawn(k)[0].to_array())));
     tables.put("walls.drawn_end_m", Array::vectors(all().map(|k| drawn(k)[1].to_array())));
     tables.put("walls.middle_m", Array::vectors(middles.iter().map(DVec2::to_array)));
-    let origins = of::<Origin>(state, "origin", ids)?;
+    let origins = of::<BodyOrigin>(state, "origin", ids)?;
     let origins = origins.iter().map(|x| x.unwrap_or_default().0.to_array());
     tables.put("walls.origin_m", Array::vectors(origins));
     let tangents = walls.iter().map(|w| w.map_or([0.0; 2], |w| w.tangent.to_array()));
@@ -136,7 +139,7 @@ fn shape(text: &str) -> Result<scene::WallShape, String> {
     ron::from_str(text).map_err(|error| error.to_string())
 }
 
-fn position(x: &Option<Position>) -> DVec2 {
+fn position(x: &Option<BodyPosition>) -> DVec2 {
     x.map_or(DVec2::ZERO, |x| x.0)
 }
 
@@ -179,9 +182,9 @@ pub(super) fn read(
     let walls = walls.map(|(tangent, half_length)| Some(Wall { tangent, half_length }));
     add(state, "wall", ids, walls)?;
     let middles = pairs("walls.middle_m")?;
-    add(state, "position", ids, middles.iter().map(|x| Some(Position(*x))))?;
+    add(state, "position", ids, middles.iter().map(|x| Some(BodyPosition(*x))))?;
     let origins = pairs("walls.origin_m")?;
-    add(state, "origin", ids, origins.into_iter().map(|x| Some(Origin(x))))?;
+    add(state, "origin", ids, origins.into_iter().map(|x| Some(BodyOrigin(x))))?;
     let motions = triples("walls.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("walls.external_force")?;
@@ -264,7 +267,7 @@ pub(super) fn now(
         })
         .collect();
     let walls = of::<Wall>(state, "wall", &firsts)?;
-    let middles = of::<Position>(state, "position", &firsts)?;
+    let middles = of::<BodyPosition>(state, "position", &firsts)?;
     let there = walls.into_iter().zip(middles);
     let now = listed.iter().zip(there).map(|(wall, there)| match there {
         (Some(line), Some(middle)) if wall.shape.is_line() => {

@@ -51,7 +51,7 @@ impl Need {
         };
         // The packing that a cementing stage finds is unknown, so the estimate takes a dense one.
         let bonded = scene.stages.iter().filter_map(|stage| match stage {
-            Stage::Cement(cement) => Some(cement.length),
+            Stage::Cement(cement) => cement.length,
             _ => None,
         });
         let length = bonded.filter(|length| length.is_finite()).fold(0.0, f64::max);

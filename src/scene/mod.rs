@@ -36,5 +36,5 @@ pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_unpre
 pub use overrides::SetError;
 pub use reader::spans;
 pub(crate) use reader::suggest;
-use reader::{diagnose, scan, tree, units};
+use reader::{diagnose, dimension, expression, scan, tree, units};
 pub use stored::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};

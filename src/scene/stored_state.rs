@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, Group, Position, Probe};
+use clastic_components::body::{BodyId, BodyPosition, Group, Probe};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::state::{StateError, WorldState};
 
@@ -35,7 +35,7 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
 fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
     let world = &saved.world;
     let particles = world.components::<BodyId, Particle>("particle")?;
-    let places = world.components::<BodyId, Position>("position")?;
+    let places = world.components::<BodyId, BodyPosition>("position")?;
     let materials = world.components::<BodyId, MaterialIndex>("material")?;
     let rows = particles.iter().zip(&materials).filter_map(|((id, particle), (_, index))| {
         let at = places.binary_search_by_key(id, |(id, _)| *id).ok()?;

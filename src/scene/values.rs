@@ -1,124 +1,188 @@
-//! `let`: values with names, which stand for numbers of a scene.
+//! `let`: values with names, and expressions with them, which stand for numbers of a scene.
 //!
-//! The text has the values in place of the names before it is read. Messages keep the places of the
-//! file.
+//! The text has numbers in place of names and expressions before it is read. Messages keep the
+//! places of the file.
 
 use std::collections::BTreeMap;
 
 use super::diagnostic::Finding;
+use super::dimension::{Dimension, Known, conflict, solve};
 use super::edited::EditedText;
+use super::expression::{Expression, parse};
 use super::scan::scan;
 use super::spans::{is_group, join};
 use super::suggest;
 use super::tree::{Entry, Node, Shape, Span};
-use super::units::unit_of;
+use super::units::{self, unit_of};
 
-/// A number of the scene for which a name stands.
+/// A place where a name or an expression stands for a number.
 struct Use {
     span: Span,
     path: String,
-    name: String,
-    negative: bool,
+    expression: Expression,
     unit: Option<&'static str>,
 }
 
-/// Names that `let` defines, with the texts of their values.
-fn defined<'a>(root: &Node, text: &'a str) -> BTreeMap<String, (&'a str, Shape)> {
+impl Use {
+    /// Whether a name occurs in it.
+    fn has(&self, name: &str) -> bool {
+        let mut has = false;
+        self.expression.names(&mut |other| has |= other == name);
+        has
+    }
+
+    /// The name, if it stands alone or with a sign before it.
+    fn name(&self) -> Option<&str> {
+        match &self.expression {
+            Expression::Name(name) => Some(name),
+            Expression::Operation('-', operands) => match &**operands {
+                [Expression::Number(0.0), Expression::Name(name)] => Some(name),
+                _ => None,
+            },
+            _ => None,
+        }
+    }
+}
+
+/// The entries of `let`.
+fn defined(root: &Node) -> &[Entry] {
     let is_let = |entry: &&Entry| entry.key.as_ref().is_some_and(|key| key.text == "let");
-    let Some(Entry { value, .. }) = root.entries.iter().find(is_let) else {
-        return BTreeMap::new();
-    };
-    let literal = |entry: &Entry| {
-        let value = text.get(entry.value.span.clone()).unwrap_or_default();
-        Some((entry.key.as_ref()?.text.clone(), (value, entry.value.shape)))
-    };
-    value.entries.iter().filter_map(literal).collect()
+    root.entries.iter().find(is_let).map_or(&[], |entry| &entry.value.entries)
+}
+
+/// Names that `let` defines, with their places.
+fn defined_names(root: &Node) -> BTreeMap<String, Span> {
+    let name = |entry: &Entry| Some((entry.key.as_ref()?.text.clone(), entry.value.span.clone()));
+    defined(root).iter().filter_map(name).collect()
 }
 
 /// Names that `let` defines.
-pub(super) fn names(root: &Node, text: &str) -> Vec<String> {
-    defined(root, text).into_keys().collect()
+pub(super) fn names(root: &Node) -> Vec<String> {
+    defined_names(root).into_keys().collect()
 }
 
-/// Puts the values in place of their names. Returns the new text, and mistakes in their use.
+/// Puts numbers in place of names and expressions. Returns the new text, and mistakes in their use.
 pub(super) fn put_in(edited: &EditedText) -> (EditedText, Vec<Finding>) {
     let text = edited.text.as_str();
-    let nothing = || (edited.clone(), Vec::new());
-    // Most scenes have no `let`, and scanning a large one takes time.
-    if !text.contains("let") {
-        return nothing();
-    }
-    let Some(root) = scan(text).0 else { return nothing() };
-    let values = defined(&root, text);
-    if values.is_empty() {
-        return nothing();
-    }
+    let Some(root) = scan(text).0 else { return (edited.clone(), Vec::new()) };
+    let places = defined_names(&root);
     let mut uses = Vec::new();
     for entry in &root.entries {
-        let Some(key) = entry.key.as_ref().filter(|key| key.text != "let") else { continue };
+        let Some(key) = &entry.key else { continue };
         walk(&entry.value, text, key.text.clone(), unit_of(&key.text, None), &mut uses);
     }
-    uses.retain(|at| values.contains_key(&at.name));
-    let findings = findings(&values, &uses);
+    let known = |at: &Use| {
+        let mut known = true;
+        at.expression.names(&mut |name| known &= places.contains_key(name));
+        known
+    };
+    uses.retain(known);
+    let findings = findings(text, &places, &uses);
+    let numbers = numbers(text, &root, &uses);
+    let value = |name: &str| Some(numbers.get(name)?.0);
     let mut new = edited.clone();
     for at in uses.iter().rev() {
-        let (value, shape) = values[&at.name];
-        if shape != Shape::Number {
-            continue;
-        }
-        let value = match (at.negative, value.strip_prefix('-')) {
-            (false, _) => value.to_owned(),
-            (true, Some(positive)) => positive.to_owned(),
-            (true, None) => format!("-{value}"),
+        let number = match &at.expression {
+            // As it is written: a seed has more digits than a number with a point.
+            Expression::Name(name) if numbers.contains_key(name) => numbers[name].1.clone(),
+            expression => match expression.value(&value).filter(|value| value.is_finite()) {
+                Some(value) => value.to_string(),
+                None => continue,
+            },
         };
-        new.put_in(at.span.clone(), &value);
+        new.put_in(at.span.clone(), &number);
     }
     (new, findings)
 }
 
-fn findings(values: &BTreeMap<String, (&str, Shape)>, uses: &[Use]) -> Vec<Finding> {
+/// Values of names, and their texts.
+fn numbers(text: &str, root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
+    let mut numbers = BTreeMap::new();
+    loop {
+        let before = numbers.len();
+        for Entry { key, value } in defined(root) {
+            let Some(name) = key.as_ref().map(|key| key.text.clone()) else { continue };
+            let literal = text.get(value.span.clone()).unwrap_or_default();
+            let of = |name: &str| numbers.get(name).map(|(value, _): &(f64, String)| *value);
+            let number = match uses.iter().find(|at| at.span == value.span) {
+                Some(at) => at.expression.value(&of).map(|value| (value, value.to_string())),
+                None if value.shape != Shape::Number => None,
+                None => ron::from_str(literal).ok().map(|value| (value, literal.to_owned())),
+            };
+            if let Some(number) = number.filter(|(value, _)| value.is_finite()) {
+                numbers.insert(name, number);
+            }
+        }
+        if numbers.len() == before {
+            return numbers;
+        }
+    }
+}
+
+fn findings(text: &str, places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Finding> {
     let mut findings = Vec::new();
+    let mut known = Known::new();
     let at_key = |path: &str, message: String, help: String| Finding {
         at_key: true,
         ..Finding::new(path, message, help)
     };
-    for name in values.keys() {
+    for name in places.keys() {
         let path = join("let", name);
         if !is_name(name) {
-            let help = "write a word in lower case, as in `confining` or `step_2`".to_owned();
-            findings.push(at_key(&path, format!("`{name}` cannot stand for a number"), help));
+            let help = match name.as_str() {
+                "pi" => "leave it out: it has its value without `let`",
+                _ => "write a word in lower case, as in `confining` or `step_2`",
+            };
+            let message = format!("`{name}` cannot stand for a number");
+            findings.push(at_key(&path, message, help.to_owned()));
             continue;
         }
-        let mut used = uses.iter().filter(|at| at.name == *name);
-        let Some(mut first) = used.next() else {
-            let others = values.keys().map(String::as_str).filter(|other| other != name);
+        if !uses.iter().any(|at| at.has(name)) {
+            let others = places.keys().map(String::as_str).filter(|other| other != name);
             let help = match suggest::nearest(name, others) {
                 Some(near) => format!("did you mean `{near}`? Else leave it out"),
                 None => format!("write `{name}`, without quotes, for a number, or leave it out"),
             };
             findings.push(at_key(&path, format!("no number uses it (`{name}`)"), help));
             continue;
-        };
-        for at in used {
-            let (Some(before), Some(here)) = (first.unit, at.unit) else {
-                if first.unit.is_none() {
-                    first = at;
-                }
-                continue;
-            };
-            if before != here {
-                let message = format!(
-                    "`{name}` is {} here, and {} at {}",
-                    a_number(here),
-                    a_number(before),
-                    first.path
-                );
-                let help = "give each its own name in `let`".to_owned();
-                findings.push(Finding::new(&at.path, message, help));
-            }
+        }
+        let alone = uses.iter().filter(|at| at.name() == Some(name));
+        let mut alone = alone.filter_map(|at| Some((at, at.unit?)));
+        let Some((first, unit)) = alone.next() else { continue };
+        known.insert(name.clone(), Dimension::of_unit(unit).powers());
+        for (at, here) in alone.filter(|(_, here)| *here != unit) {
+            let [here, there] = [here, unit].map(a_number);
+            let message = format!("`{name}` is {here} here, and {there} at {}", first.path);
+            let help = "give each its own name in `let`".to_owned();
+            findings.push(Finding::new(&at.path, message, help));
+        }
+    }
+    // Names that stand alone are compared above.
+    let composite = uses.iter().filter(|at| at.unit.is_none() || at.name().is_none());
+    let pairs: Vec<_> = composite.map(|at| (at, pairs(at, places))).collect();
+    let all: Vec<_> = pairs.iter().flat_map(|(_, pairs)| pairs).collect();
+    solve(&all, &mut known);
+    for (at, pairs) in &pairs {
+        if let Some(conflict) = pairs.iter().find_map(|pair| conflict(pair, &known)) {
+            let message =
+                format!("`{}`: {conflict}", text.get(at.span.clone()).unwrap_or_default());
+            let help = "factors with a unit need names in `let`";
+            findings.push(Finding::new(&at.path, message, help));
         }
     }
     findings
+}
+
+/// Pairs of dimensions that must be the same where an expression stands.
+fn pairs(at: &Use, places: &BTreeMap<String, Span>) -> Vec<[Dimension; 2]> {
+    let mut pairs = Vec::new();
+    let own = at.expression.dimension(&mut pairs);
+    let name = places.iter().find(|(_, span)| **span == at.span).map(|(name, _)| name);
+    let due = name.map(|name| Dimension::of_name(name)).or_else(|| at.unit.map(Dimension::of_unit));
+    if let Some(due) = due.filter(|_| own != Dimension::literal()) {
+        pairs.push([own, due]);
+    }
+    pairs
 }
 
 fn a_number(unit: &str) -> String {
@@ -131,26 +195,24 @@ fn is_name(name: &str) -> bool {
     let first = |c: char| c.is_lowercase() || c == '_';
     name.starts_with(first)
         && name.chars().all(|c| c.is_alphanumeric() || c == '_')
-        && !["true", "false", "inf"].contains(&name)
+        && !["true", "false", "inf", "pi"].contains(&name)
 }
 
-/// The name that stands for a number, and whether a minus sign is before it.
-pub(super) fn name_of<'a>(node: &Node, text: &'a str) -> Option<(&'a str, bool)> {
+/// The expression that stands for a number.
+fn expression(node: &Node, text: &str) -> Option<Expression> {
     let literal = text.get(node.span.clone())?;
-    let (name, negative) = match node.shape {
-        Shape::Word => (literal, false),
-        Shape::Number => (literal.strip_prefix('-')?, true),
-        _ => return None,
-    };
-    is_name(name).then_some((name, negative))
+    match node.shape {
+        Shape::Word if is_name(literal) || literal == "pi" => parse(literal).ok(),
+        Shape::Expression => parse(literal).ok(),
+        _ => None,
+    }
 }
 
-/// Collects the words below a value that may stand for numbers. Paths and units are those of the
+/// Collects names and expressions below a value that may stand for numbers. Paths and units are those of the
 /// reader.
 fn walk(node: &Node, text: &str, path: String, unit: Option<&'static str>, uses: &mut Vec<Use>) {
-    if let Some((name, negative)) = name_of(node, text) {
-        let (span, name) = (node.span.clone(), name.to_owned());
-        uses.push(Use { span, path, name, negative, unit });
+    if let Some(expression) = expression(node, text) {
+        uses.push(Use { span: node.span.clone(), path, expression, unit });
         return;
     }
     let variant = node.name.clone().and_then(|name| text.get(name));
@@ -170,11 +232,28 @@ fn walk(node: &Node, text: &str, path: String, unit: Option<&'static str>, uses:
     }
 }
 
-/// Help for a word that stands for no number.
-pub(super) fn help(word: &str, names: &[String]) -> String {
-    if names.iter().any(|name| name == word) {
-        return format!("give `{word}` a number in `let`");
+/// Help for a word or an expression that stands for no number. `unit` is that of the number.
+pub(super) fn help(node: &Node, text: &str, names: &[String], unit: Option<&str>) -> String {
+    let literal = text.get(node.span.clone()).unwrap_or_default();
+    let expression = match parse(literal) {
+        Ok(expression) if node.shape == Shape::Expression || is_name(literal) => expression,
+        Err(help) if node.shape == Shape::Expression => return help,
+        _ => return String::new(),
+    };
+    if let Some((value, of)) = units::split(literal).filter(|(_, of)| units::is_unit(of)) {
+        return units::help(value, of, unit);
     }
+    let mut unknown = None;
+    let is_known = |word: &str| names.iter().any(|name| name == word);
+    expression.names(&mut |word| {
+        unknown = unknown.or(Some(word).filter(|word| !is_known(word)));
+    });
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    suggest::help(word, &names, "values of `let`")
+    match unknown {
+        Some(_) if names.is_empty() && node.shape == Shape::Word => String::new(),
+        Some(word) if names.is_empty() => format!("give `{word}` a number in `let`"),
+        Some(word) => suggest::help(word, &names, "values of `let`"),
+        None if node.shape == Shape::Word => format!("give `{literal}` a number in `let`"),
+        None => "its value is not finite, or a name in it has none".to_owned(),
+    }
 }

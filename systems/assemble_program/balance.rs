@@ -6,9 +6,9 @@
 
 use glam::DVec2;
 
-use clastic_components::body::Drive;
+use clastic_components::body::BodyDrive;
 use clastic_components::cell::CellControl;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::rigid_group::GroupRow;
@@ -17,7 +17,7 @@ use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
 
 /// Fills `out` with one entry per body.
 pub fn assemble(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     progress: &Progress,
     interactions: &[Interaction],
@@ -43,8 +43,8 @@ pub fn assemble(
     for i in 0..bodies.particles {
         for k in 0..3 {
             out[i].dofs[k] = match bodies.drive(i, k) {
-                Drive::Imposed(u) => Dof::Fixed(fraction * u),
-                Drive::Free => {
+                BodyDrive::Imposed(u) => Dof::Fixed(fraction * u),
+                BodyDrive::Free => {
                     let mut free =
                         particle_dof(bodies, analysis, progress.increment, fraction, &affine, i, k);
                     free.load += added(i)[k].force;
@@ -116,7 +116,7 @@ pub fn assemble(
 }
 
 fn particle_dof(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     increment: u64,
     fraction: f64,
@@ -167,7 +167,7 @@ struct Affine {
 }
 
 impl Affine {
-    fn of(bodies: &Bodies, analysis: &Analysis, fraction: f64) -> Self {
+    fn of(bodies: &BodyTable, analysis: &Analysis, fraction: f64) -> Self {
         let AnalysisKind::Compaction { affine: true, .. } = analysis.kind else {
             return Self { moving: None, cell: None };
         };

@@ -2,7 +2,7 @@
 //! height and its shear as degrees of freedom, of which each is imposed or free under a stress.
 
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
@@ -10,7 +10,7 @@ use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody}
 /// The body of the cell. The stress acts on the area at the start of the increment.
 #[must_use]
 pub fn body(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     cell: &PeriodicCell,
     analysis: &Analysis,
     progress: &Progress,
@@ -29,7 +29,7 @@ pub fn body(
 }
 
 /// Sets the shifts of images, and the cell of the program.
-pub fn set_images(bodies: &Bodies, interactions: &mut [Interaction]) {
+pub fn set_images(bodies: &BodyTable, interactions: &mut [Interaction]) {
     let Some(cell) = &bodies.cell else { return };
     for c in interactions {
         c.image = bodies.shift(c.a as usize, c.b as usize) / cell.length();
@@ -38,7 +38,7 @@ pub fn set_images(bodies: &Bodies, interactions: &mut [Interaction]) {
 
 /// Holds one particle, because nothing else keeps the specimen from moving as a whole: the particle
 /// that carried the largest normal forces, or touches the largest number of others.
-pub fn hold_one(bodies: &Bodies, history: &ContactHistory, program: &mut ConeProgram) {
+pub fn hold_one(bodies: &BodyTable, history: &ContactHistory, program: &mut ConeProgram) {
     if bodies.cell.is_none() {
         return;
     }

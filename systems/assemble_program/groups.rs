@@ -1,8 +1,8 @@
 //! Rigid groups in the program: the forces on members act on the body of the group, with arms about
 //! its centre. The rows of members are those of bodies whose motion is known.
 
-use clastic_components::body::Drive;
-use clastic_components::contact::Bodies;
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::loads::AddedLoad;
 use clastic_components::rigid_group::GroupRow;
@@ -10,7 +10,7 @@ use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
 use glam::DVec2;
 
 /// Moves the forces on members of rigid groups to the bodies of the groups.
-pub fn join(bodies: &Bodies, interactions: &mut [Interaction]) {
+pub fn join(bodies: &BodyTable, interactions: &mut [Interaction]) {
     if bodies.groups.is_empty() {
         return;
     }
@@ -28,7 +28,7 @@ pub fn join(bodies: &Bodies, interactions: &mut [Interaction]) {
 /// row.
 #[must_use]
 pub fn body(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     fraction: f64,
     group: &GroupRow,
@@ -51,7 +51,7 @@ pub fn body(
         load[2] += moment + lever.perp_dot(DVec2::new(x, y));
     }
     let dof = |k: usize| {
-        if let Drive::Imposed(u) = bodies.group_drive(group, k) {
+        if let BodyDrive::Imposed(u) = bodies.group_drive(group, k) {
             return Dof::Fixed(fraction * u);
         }
         let mut free = FreeDof { load: load[k], ..FreeDof::default() };
@@ -83,7 +83,7 @@ pub fn body(
 /// The degree of freedom of a compaction: the rigid motion that is nearest to the mean motion at
 /// the members, with unit weight on each of them.
 fn compaction_inertia(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     group: &GroupRow,
     k: usize,
     mean: &impl Fn(DVec2) -> DVec2,

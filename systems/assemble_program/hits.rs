@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction};
@@ -26,7 +26,7 @@ impl Motion {
     /// wall: it has no mass, and a body that hits it does not rebound.
     #[must_use]
     pub fn of(
-        bodies: &Bodies,
+        bodies: &BodyTable,
         program: &ConeProgram,
         [dt, whole]: [f64; 2],
         i: usize,
@@ -35,7 +35,7 @@ impl Motion {
             let mut motion = Self { velocity: bodies.velocities[i], ..Self::default() };
             for k in 0..2 {
                 // A driven body has its velocity from the start of the increment on.
-                if let Drive::Imposed(u) = bodies.drive(i, k) {
+                if let BodyDrive::Imposed(u) = bodies.drive(i, k) {
                     motion.velocity[k] = u / whole;
                 } else if let Dof::Free(free) = &program.bodies[i].dofs[k] {
                     motion.acceleration[k] = load_acceleration(free, dt);
@@ -44,7 +44,7 @@ impl Motion {
             return Some(motion);
         }
         if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
-            let is_free = |k: usize| bodies.group_drive(group, k) == Drive::Free;
+            let is_free = |k: usize| bodies.group_drive(group, k) == BodyDrive::Free;
             if group.mass == 0.0 && (0..3).any(is_free) {
                 // Walls without particles have no mass.
                 return None;
@@ -53,7 +53,7 @@ impl Motion {
             rates[2] = bodies.angular_velocities[i];
             let mut gains = [0.0; 3];
             for k in 0..3 {
-                if let Drive::Imposed(u) = bodies.group_drive(group, k) {
+                if let BodyDrive::Imposed(u) = bodies.group_drive(group, k) {
                     rates[k] = u / whole;
                 } else if let Dof::Free(free) = &program.bodies[i].dofs[k] {
                     gains[k] = load_acceleration(free, dt);
@@ -170,7 +170,7 @@ impl Approach {
     #[must_use]
     pub fn impact(
         &self,
-        bodies: &Bodies,
+        bodies: &BodyTable,
         motions: &[Option<Motion>],
         (contact, c): (&Contact, &Interaction),
         dt: f64,
@@ -253,13 +253,13 @@ mod tests {
 
     #[test]
     fn disks_that_pass_each_other_do_not_meet() {
-        let contact = |bodies: &Bodies| crate::detect_contacts::gaps::pair_contact(bodies, 0, 1);
+        let contact = |bodies: &BodyTable| crate::detect_contacts::gaps::pair_contact(bodies, 0, 1);
         for (offset, meets) in [(0.0, true), (1.9, true), (1.999, true), (2.001, false)] {
-            let bodies = Bodies {
+            let bodies = BodyTable {
                 particles: 2,
                 positions: vec![DVec2::ZERO, DVec2::new(3.0, offset)],
                 radii: vec![1.0; 2],
-                ..Bodies::default()
+                ..BodyTable::default()
             };
             let motions = [DVec2::X, -DVec2::X]
                 .map(|velocity| Some(Motion { velocity, ..Motion::default() }));

@@ -6,14 +6,15 @@
 //! | compliances | 1/k of the bond | 1/k of the contact |
 //! | c A, f_t, mu, mu_r | of the bond | 0, 0, mu and mu_r of the contact |
 //! | previous shear q_0 | last increment's (0 where C_T = 0) | last increment's while in contact |
-//! | previous moment tau_0 | last increment's (0 where C_R = 0) | last increment's while in contact |
+//! | previous moment tau_0 | last increment's (0 where C_R = 0) | last increment's while in contact
+//! |
 //!
 //! In dynamics an elastic interaction enters with C/theta and g/theta, so that its force in the
 //! program is the average over the increment. A rigid interaction keeps g, so that it does not
 //! penetrate at the end.
 
-use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, BondRow, Contact};
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::{BodyTable, BondRow, Contact};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::{Corrections, Pushed};
 use clastic_components::increment::{Analysis, AnalysisKind};
@@ -37,7 +38,7 @@ pub struct Findings<'a> {
 /// Fills `out` with one interaction per contact, in the order of the contacts, and `last` with
 /// their forces after the last increment.
 pub fn assemble(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     contacts: &[Contact],
     history: &ContactHistory,
     materials: &Materials,
@@ -64,7 +65,7 @@ pub fn assemble(
 /// Law of a contact: that of the wall, or that of the two materials.
 #[must_use]
 pub fn contact_law(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     materials: &Materials,
     analysis: &Analysis,
     contact: &Contact,
@@ -73,14 +74,17 @@ pub fn contact_law(
         return ContactLaw::rigid_frictionless();
     }
     let (a, b) = (contact.a as usize, contact.b as usize);
-    if b < bodies.particles {
+    let mut law = if b < bodies.particles {
         materials.contact(bodies.materials[a], bodies.materials[b])
     } else {
         bodies
             .walls
             .binary_search_by_key(&contact.b, |w| w.body)
             .map_or_else(|_| ContactLaw::default(), |k| bodies.walls[k].law)
-    }
+    };
+    law.friction *= analysis.strength;
+    law.rolling_friction *= analysis.strength;
+    law
 }
 
 /// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It
@@ -97,7 +101,12 @@ pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
 /// Initial rolling moment of a contact whose bond has broken: the part that its limit allows. It is
 /// zero if the bond spanned a gap, or if the contact does not roll elastically.
 #[must_use]
-pub fn moment_after_rupture(tau: f64, contact: &Contact, bodies: &Bodies, law: &ContactLaw) -> f64 {
+pub fn moment_after_rupture(
+    tau: f64,
+    contact: &Contact,
+    bodies: &BodyTable,
+    law: &ContactLaw,
+) -> f64 {
     if law.rolling_compliance <= 0.0 || law.normal_compliance <= 0.0 {
         return 0.0;
     }
@@ -107,7 +116,7 @@ pub fn moment_after_rupture(tau: f64, contact: &Contact, bodies: &Bodies, law: &
 }
 
 fn bonded(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     findings: Findings,
     contact: &Contact,
@@ -116,12 +125,13 @@ fn bonded(
 ) -> Interaction {
     let law = &bond.law;
     let radius = contact.common_radius(bodies);
-    let area = 2.0 * radius * analysis.thickness;
+    let strength = analysis.strength;
+    let area = strength * 2.0 * radius * analysis.thickness;
     let limits = Limits::new(
         law.cohesion * area,
-        law.friction,
+        law.friction * strength,
         law.tensile_strength * area,
-        law.rolling_friction * radius,
+        law.rolling_friction * strength * radius,
     );
     interaction(
         bodies,
@@ -136,7 +146,7 @@ fn bonded(
 }
 
 fn unbonded(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     findings: Findings,
     contact: &Contact,
@@ -162,7 +172,7 @@ fn unbonded(
 }
 
 fn interaction(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     findings: Findings,
     contact: &Contact,
@@ -213,7 +223,7 @@ fn interaction(
 }
 
 /// Whether a body is a member of a rigid group with an imposed motion.
-fn is_imposed_on(bodies: &Bodies, body: u32) -> bool {
+fn is_imposed_on(bodies: &BodyTable, body: u32) -> bool {
     let group = bodies.group(body as usize);
-    group.is_some_and(|group| group.drives.iter().any(|drive| *drive != Drive::Free))
+    group.is_some_and(|group| group.drives.iter().any(|drive| *drive != BodyDrive::Free))
 }

@@ -5,7 +5,7 @@
 //! although nothing moves. Such a contact is left out of the program. A contact that the known
 //! motions close stays in the program: these motions are infeasible, and [`forced`] names the pair.
 
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_cone::program::{ConeProgram, Dof, Interaction, Limits, ProgramBody};
 use glam::DVec2;
 
@@ -45,7 +45,7 @@ fn closing(bodies: &[ProgramBody], c: &Interaction) -> Option<f64> {
 
 /// Leaves out the contacts of bodies that overlap and that no known motion closes: they become open
 /// contacts without force. Returns whether any contact was left out.
-pub fn leave_out(bodies: &Bodies, contacts: &[Contact], program: &mut ConeProgram) -> bool {
+pub fn leave_out(bodies: &BodyTable, contacts: &[Contact], program: &mut ConeProgram) -> bool {
     let round_off = ROUND_OFF * bodies.mean_radius;
     let mut found = false;
     for (contact, c) in contacts.iter().zip(&mut program.interactions) {

@@ -18,7 +18,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
@@ -28,10 +28,11 @@ use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
 use self::rebounds::{assemble_rebounds, has_restitution};
+use crate::links;
 use crate::rupture_bonds::lift_strengths;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
-/// Adds [`assemble_program`].
+/// Adds [`assemble_interactions`] and [`balance_bodies`].
 pub struct AssembleProgramPlugin;
 
 impl Plugin for AssembleProgramPlugin {
@@ -40,12 +41,14 @@ impl Plugin for AssembleProgramPlugin {
         app.init_resource::<Materials>().init_resource::<Impacts>().add_systems(
             AttemptIncrement,
             (
-                (assemble_program, assemble_rebounds.run_if(has_restitution))
+                assemble_interactions.in_set(AttemptSystems::Assemble),
+                (
+                    balance_bodies,
+                    assemble_rebounds.run_if(has_restitution),
+                    lap(|t| &mut t.assemble),
+                )
                     .chain()
-                    .in_set(AttemptSystems::Assemble),
-                lap(|t| &mut t.assemble)
-                    .after(AttemptSystems::AssembleExtra)
-                    .before(AttemptSystems::Solve),
+                    .in_set(AttemptSystems::Balance),
             ),
         );
     }
@@ -54,8 +57,8 @@ impl Plugin for AssembleProgramPlugin {
 /// Tables of the trial.
 #[derive(SystemParam)]
 pub struct Trial<'w> {
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     history: Res<'w, DraftHistory>,
     loads: Res<'w, TrialLoads>,
     progress: Res<'w, Progress>,
@@ -80,15 +83,15 @@ pub struct Found<'w> {
     centre: Res<'w, Centre>,
 }
 
-/// Fills [`ConeProgram`] from the gathered bodies, the contacts and their history.
-pub fn assemble_program(
+/// Fills the rest of [`ConeProgram`]: a balance row for every degree of freedom on which an
+/// interaction acts, expected magnitudes, and the weights of bodies that nothing holds.
+pub fn balance_bodies(
     trial: Trial,
     settings: Settings,
     found: Found,
     mut program: ResMut<ConeProgram>,
 ) {
     let program = &mut *program;
-    assemble_interactions(&trial, &settings, &found, program);
     assemble_bodies(&trial, &settings, program);
     let Settings { analysis, acceptance, .. } = &settings;
     let Trial { bodies, contacts, history, attempt, .. } = &trial;
@@ -114,15 +117,17 @@ pub fn assemble_program(
     );
 }
 
-/// Fills the interactions: one per contact, then the ties of taut bonds.
-fn assemble_interactions(
-    trial: &Trial,
-    settings: &Settings,
-    found: &Found,
-    program: &mut ConeProgram,
+/// Fills the interactions of [`ConeProgram`]: one per contact, then one per link, then the ties of
+/// taut bonds.
+pub fn assemble_interactions(
+    trial: Trial,
+    settings: Settings,
+    found: Found,
+    mut program: ResMut<ConeProgram>,
 ) {
+    let program = &mut *program;
     let (bodies, contacts) = (&trial.bodies, &trial.contacts.0);
-    let Found { corrections, pushed, .. } = found;
+    let Found { corrections, pushed, .. } = &found;
     program.cell =
         bodies.cell.map(|cell| cell.in_program(bodies.positions.len(), bodies.mean_radius));
     interactions::assemble(
@@ -136,6 +141,7 @@ fn assemble_interactions(
         &mut program.last_forces,
     );
     let interactions = &mut program.interactions;
+    links::assemble(bodies, &settings.analysis, trial.progress.fraction, interactions);
     taut::assemble(
         bodies,
         contacts,

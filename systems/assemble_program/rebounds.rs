@@ -8,7 +8,8 @@
 //!
 //! | contact | bound of the closing speed w at the end |
 //! |---|---|
-//! | hit at the time t, by bodies that touch nothing else | `-(e w_t - a (dt - t))`, w_t the speed then |
+//! | hit at the time t, by bodies that touch nothing else | `-(e w_t - a (dt - t))`, w_t the speed
+//! then |
 //! | not hit, by bodies that touch nothing else | none |
 //! | hit, by bodies of which one touches others | `-e w_0` |
 //! | separating at the start | `max(g_0/dt, e \|w_0\|)` |
@@ -25,7 +26,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Impact, Impacts, Pushed};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::material::Materials;
@@ -42,8 +43,8 @@ pub fn has_restitution(analysis: Res<Analysis>) -> bool {
 
 /// Sets offset and geometry of contacts with an impact, and fills [`Impacts`].
 pub fn assemble_rebounds(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     materials: Res<Materials>,
     analysis: Res<Analysis>,
     acceptance: Res<Acceptance>,

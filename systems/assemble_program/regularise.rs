@@ -7,7 +7,7 @@
 //! the tolerance. The residuals count this force as an error of the balance.
 
 use clastic_components::attempt::{Effort, Mode};
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::{Bearing, Centre, Restraints};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
@@ -32,7 +32,7 @@ pub(crate) fn max_moves(acceptance: &Acceptance) -> u32 {
 
 /// Sets the proximal weights of the program.
 pub fn regularise(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     contacts: &[Contact],
     history: &ContactHistory,
     analysis: &Analysis,

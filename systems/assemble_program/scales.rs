@@ -4,15 +4,15 @@
 
 use glam::DVec2;
 
-use clastic_components::body::Drive;
-use clastic_components::contact::Bodies;
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
 /// Estimates the scales of the program. The magnitudes of a rejected attempt take precedence.
 pub fn estimate(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     history: &ContactHistory,
     analysis: &Analysis,
     progress: &Progress,
@@ -56,7 +56,7 @@ pub(crate) const MAX_MOTION: f64 = 0.1;
 /// Maximum force scale from a failed attempt, relative to the expected scale.
 const MAX_RATIO: f64 = 1e2;
 
-fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f64 {
+fn displacement(bodies: &BodyTable, analysis: &Analysis, progress: &Progress) -> f64 {
     // An increment up to an event may have a small fraction of the imposed motion, but ruptures
     // precede it.
     let is_cut = progress.fraction < progress.tried;
@@ -80,11 +80,11 @@ fn displacement(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> f6
 
 /// Maximum displacement that is imposed in a whole increment, m: of a particle, a wall, a group, or
 /// of one side of the cell relative to the other.
-pub(crate) fn maximum_imposed(bodies: &Bodies) -> f64 {
+pub(crate) fn maximum_imposed(bodies: &BodyTable) -> f64 {
     let drives = (0..bodies.particles).flat_map(|i| [bodies.drive(i, 0), bodies.drive(i, 1)]);
     let drives = drives.map(|d| match d {
-        Drive::Imposed(u) => u.abs(),
-        Drive::Free => 0.0,
+        BodyDrive::Imposed(u) => u.abs(),
+        BodyDrive::Free => 0.0,
     });
     let walls = bodies.walls.iter().map(|w| bodies.wall_travel(w, bodies.wall_drive(w)));
     let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));

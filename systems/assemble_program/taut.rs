@@ -10,7 +10,7 @@
 //! motion, and is no error of the balance. The term of a compressed pair is negative, destabilises
 //! a grain, and cannot be part of a convex program. Followed motions cover this case.
 
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::findings::{Corrections, Restraints};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_cone::program::{Interaction, Limits};
@@ -38,7 +38,7 @@ fn tension(bond: &Interaction) -> f64 {
 
 /// Appends the ties of taut bonds at swinging bodies.
 pub fn assemble(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     contacts: &[Contact],
     analysis: &Analysis,
     restraints: &Restraints,

@@ -9,7 +9,7 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{Bodies, Contact, WallRow};
+use clastic_components::contact::{BodyTable, Contact, WallRow};
 use clastic_components::findings::Corrections;
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
@@ -25,7 +25,7 @@ struct Turning<'a> {
 /// Gives the contacts of walls that turn in this fraction of the increment their arms and offsets.
 /// Other interactions stay as they are.
 pub fn carry(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     contacts: &[Contact],
     corrections: &Corrections,
     fraction: f64,
@@ -65,7 +65,12 @@ pub fn carry(
 impl Turning<'_> {
     /// Gap at the end of the trial between the turned wall and a disk that stays, less the gap to
     /// first order, m. `None` where the wall passes over its centre.
-    fn beyond_first_order(&self, bodies: &Bodies, contact: &Contact, lever: DVec2) -> Option<f64> {
+    fn beyond_first_order(
+        &self,
+        bodies: &BodyTable,
+        contact: &Contact,
+        lever: DVec2,
+    ) -> Option<f64> {
         let (u, angle) = self.motion;
         let Self { wall, .. } = self;
         let a = contact.a as usize;

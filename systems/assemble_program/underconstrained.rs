@@ -5,7 +5,7 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{Bodies, Contact};
+use clastic_components::contact::{BodyTable, Contact};
 
 use clastic_components::contact_history::ContactHistory;
 use clastic_cone::adjacency::Adjacency;
@@ -23,7 +23,7 @@ fn free_dofs(program: &ConeProgram, body: usize) -> usize {
 
 /// Flags every underconstrained body.
 pub fn find_underconstrained(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     contacts: &[Contact],
     history: &ContactHistory,
     program: &ConeProgram,
@@ -119,7 +119,7 @@ fn clusters(
 /// Flags the underconstrained bodies of a cluster: none if the ground holds the cluster,
 /// its loaded walls if they suffice, else all.
 fn hold_cluster(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     program: &ConeProgram,
     stiff: &[&Interaction],
     adjacency: &Adjacency,

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, Position};
+use clastic_components::body::{BodyId, BodyPosition};
 use clastic_components::bond::{Bond, Joint};
 use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
@@ -21,7 +21,7 @@ pub(super) fn resolve(joint: Joint, world: &World) -> Result<Bond, IdentityError
     };
     let (id_a, id_b) = (body(a)?, body(b)?);
     let disk = |entity| {
-        let place = world.get::<Position>(entity).map(|x| x.0).unwrap_or_default();
+        let place = world.get::<BodyPosition>(entity).map(|x| x.0).unwrap_or_default();
         world.get::<Particle>(entity).map(|disk| (place, disk.radius))
     };
     if a == b {
@@ -42,7 +42,7 @@ pub(super) fn resolve(joint: Joint, world: &World) -> Result<Bond, IdentityError
 
 /// Distance of a point from a wall, m; negative on the outer side of a line.
 fn height(world: &World, wall: Entity, point: DVec2) -> f64 {
-    let middle = world.get::<Position>(wall).map(|x| x.0).unwrap_or_default();
+    let middle = world.get::<BodyPosition>(wall).map(|x| x.0).unwrap_or_default();
     let shape = world.get::<WallShape>(wall).copied().unwrap_or_default();
     world
         .get::<Wall>(wall)

@@ -11,14 +11,15 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
-use clastic_components::body::{BodyId, Origin, Position};
+use clastic_components::body::{BodyId, BodyOrigin, BodyPosition};
 use clastic_components::bond::{Bond, BondId, BondState, Joint};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::Wall;
 
-use crate::identities::{Identities, NEXT_IDENTITIES, NextIdentities};
+use crate::identities::{IdentityTable, NEXT_IDENTITIES, NextIdentities};
+use crate::links::end_links_of;
 use crate::state::{RegisterState, StateOf};
 
 /// Adds the component hooks that assign identities.
@@ -31,7 +32,7 @@ impl Plugin for AssignIdentitiesPlugin {
     fn build(&self, app: &mut App) {
         let world = app.world_mut();
         refuse_earlier(world);
-        world.init_resource::<Identities>();
+        world.init_resource::<IdentityTable>();
         world.register_component_hooks::<Particle>().on_add(body_added);
         world.register_component_hooks::<Wall>().on_add(body_added);
         world.register_component_hooks::<RigidGroup>().on_add(body_added);
@@ -65,11 +66,11 @@ fn refuse_earlier(world: &mut World) {
 
 impl StateOf for NextIdentities {
     fn take(world: &mut World) -> Option<Self> {
-        world.get_resource::<Identities>().map(Identities::next)
+        world.get_resource::<IdentityTable>().map(IdentityTable::next)
     }
 
     fn put(self, world: &mut World) {
-        world.get_resource_or_init::<Identities>().skip_to(self);
+        world.get_resource_or_init::<IdentityTable>().skip_to(self);
     }
 }
 
@@ -139,14 +140,14 @@ fn body_added(mut world: DeferredWorld, context: HookContext) {
                 return Err(IdentityError::TwoBodies(entity));
             }
         }
-        let place = body.get::<Position>().map_or_else(Default::default, |x| x.0);
-        let (has_id, has_origin) = (body.contains::<BodyId>(), body.contains::<Origin>());
+        let place = body.get::<BodyPosition>().map_or_else(Default::default, |x| x.0);
+        let (has_id, has_origin) = (body.contains::<BodyId>(), body.contains::<BodyOrigin>());
         if !has_id {
-            let id = BodyId(world.get_resource_or_init::<Identities>().bodies.next());
+            let id = BodyId(world.get_resource_or_init::<IdentityTable>().bodies.next());
             world.entity_mut(entity).insert(id);
         }
         if !has_origin {
-            world.entity_mut(entity).insert(Origin(place));
+            world.entity_mut(entity).insert(BodyOrigin(place));
         }
         Ok(())
     });
@@ -157,7 +158,7 @@ fn body_named(mut world: DeferredWorld, context: HookContext) {
     let newcomer = context.entity;
     world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
         let Some(BodyId(id)) = world.get::<BodyId>(newcomer).copied() else { return Ok(()) };
-        let taken = world.get_resource_or_init::<Identities>().bodies.take(id, newcomer);
+        let taken = world.get_resource_or_init::<IdentityTable>().bodies.take(id, newcomer);
         taken.map_err(|owner| {
             world.entity_mut(newcomer).remove::<(BodyId, Particle, Wall, RigidGroup)>();
             IdentityError::Body { id, owner, newcomer }
@@ -165,13 +166,13 @@ fn body_named(mut world: DeferredWorld, context: HookContext) {
     });
 }
 
-/// Hook of [`BodyId`]: removes the intact bonds of the body and the memory of its contacts. Bonds
-/// that broke before stay in the record.
+/// Hook of [`BodyId`]: removes the intact bonds and the links of the body, and the memory of its
+/// contacts. Bonds that broke before stay in the record.
 fn body_gone(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     let Some(id) = world.get::<BodyId>(entity).copied() else { return };
     world.commands().queue(move |world: &mut World| {
-        let mut identities = world.get_resource_or_init::<Identities>();
+        let mut identities = world.get_resource_or_init::<IdentityTable>();
         if identities.body(id) != Some(entity) {
             return;
         }
@@ -190,6 +191,7 @@ fn body_gone(mut world: DeferredWorld, context: HookContext) {
         for bond in ended {
             world.despawn(bond);
         }
+        end_links_of(world, id);
     });
 }
 
@@ -198,7 +200,7 @@ fn bond_added(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     world.commands().queue(move |world: &mut World| {
         if world.get_entity(entity).is_ok_and(|bond| !bond.contains::<BondId>()) {
-            let id = BondId(world.get_resource_or_init::<Identities>().bonds.next());
+            let id = BondId(world.get_resource_or_init::<IdentityTable>().bonds.next());
             world.entity_mut(entity).insert(id);
         }
     });
@@ -209,7 +211,7 @@ fn bond_named(mut world: DeferredWorld, context: HookContext) {
     let newcomer = context.entity;
     world.commands().queue(move |world: &mut World| -> Result<(), IdentityError> {
         let Some(BondId(id)) = world.get::<BondId>(newcomer).copied() else { return Ok(()) };
-        let taken = world.get_resource_or_init::<Identities>().bonds.take(id, newcomer);
+        let taken = world.get_resource_or_init::<IdentityTable>().bonds.take(id, newcomer);
         taken.map_err(|owner| {
             world.entity_mut(newcomer).remove::<(BondId, Bond)>();
             IdentityError::Bond { id, owner, newcomer }
@@ -222,7 +224,7 @@ fn bond_gone(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     let Some(BondId(id)) = world.get::<BondId>(entity).copied() else { return };
     world.commands().queue(move |world: &mut World| {
-        world.get_resource_or_init::<Identities>().bonds.release(id, entity);
+        world.get_resource_or_init::<IdentityTable>().bonds.release(id, entity);
     });
 }
 

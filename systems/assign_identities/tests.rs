@@ -12,8 +12,8 @@ fn app() -> App {
     app
 }
 
-fn disk(x: f64) -> (Particle, Position) {
-    (Particle::disk(1.0, 2650.0, 1.0), Position(DVec2::new(x, 0.0)))
+fn disk(x: f64) -> (Particle, BodyPosition) {
+    (Particle::disk(1.0, 2650.0, 1.0), BodyPosition(DVec2::new(x, 0.0)))
 }
 
 #[test]
@@ -22,15 +22,15 @@ fn identities_follow_the_order_of_insertion_and_are_not_used_again() {
     let world = app.world_mut();
     let [a, b] = [0.0, 2.0].map(|x| world.spawn(disk(x)).id());
     assert_eq!(world.get::<BodyId>(a), Some(&BodyId(0)));
-    assert_eq!(world.get::<Origin>(b), Some(&Origin(DVec2::new(2.0, 0.0))));
+    assert_eq!(world.get::<BodyOrigin>(b), Some(&BodyOrigin(DVec2::new(2.0, 0.0))));
     world.despawn(b);
     let c = world.spawn(disk(4.0)).id();
     assert_eq!(world.get::<BodyId>(c), Some(&BodyId(2)));
     let d = world.spawn((disk(6.0), BodyId(9))).id();
     let e = world.spawn(disk(8.0)).id();
     assert_eq!(world.get::<BodyId>(e), Some(&BodyId(10)));
-    assert_eq!(world.resource::<Identities>().body(BodyId(9)), Some(d));
-    assert_eq!(world.resource::<Identities>().body(BodyId(1)), None);
+    assert_eq!(world.resource::<IdentityTable>().body(BodyId(9)), Some(d));
+    assert_eq!(world.resource::<IdentityTable>().body(BodyId(1)), None);
 }
 
 #[test]
@@ -62,7 +62,7 @@ fn a_second_body_of_one_identity_is_refused() {
     world.insert_resource(FallbackErrorHandler(hear));
     let first = world.spawn((disk(0.0), BodyId(3))).id();
     let second = world.spawn((disk(2.0), BodyId(3))).id();
-    assert_eq!(world.resource::<Identities>().body(BodyId(3)), Some(first));
+    assert_eq!(world.resource::<IdentityTable>().body(BodyId(3)), Some(first));
     assert!(world.get::<Particle>(second).is_none());
     let said = SAID.lock().unwrap_or_else(|e| panic!("{e}")).clone();
     assert!(said.contains("body 3") && said.contains("BodyId"), "{said}");

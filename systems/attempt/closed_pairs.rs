@@ -6,7 +6,7 @@ use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{Bodies, Contacts, WallRow};
+use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -28,11 +28,11 @@ const MAX_NEAR: f64 = 0.5;
 /// solution that moves a grain without support shows none: the grain crosses thousands of others.
 pub fn judge(
     settings: (Res<Acceptance>, Res<Analysis>),
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     candidates: Res<Candidates>,
-    contacts: Res<Contacts>,
+    contacts: Res<ContactTable>,
     mut added: ResMut<AddedPairs>,
     mut attempt: ResMut<Attempt>,
 ) {
@@ -72,14 +72,14 @@ pub(super) struct Moved {
 
 impl Moved {
     /// Before any motion.
-    pub fn not(bodies: &Bodies) -> Self {
-        let Bodies { positions, cell, walls, .. } = bodies;
+    pub fn not(bodies: &BodyTable) -> Self {
+        let BodyTable { positions, cell, walls, .. } = bodies;
         Self { positions: positions.clone(), cell: *cell, walls: walls.clone() }
     }
 
     /// After displacements (m, m, rad; by body in its own axes), multiplied by `scale`.
     pub fn by(
-        bodies: &Bodies,
+        bodies: &BodyTable,
         program: &ConeProgram,
         displacements: &[[f64; 3]],
         scale: f64,
@@ -99,7 +99,7 @@ impl Moved {
     }
 
     /// Gap between a particle and a particle or wall, m.
-    pub fn gap(&self, bodies: &Bodies, a: u32, b: u32) -> f64 {
+    pub fn gap(&self, bodies: &BodyTable, a: u32, b: u32) -> f64 {
         let (x, r) = (self.positions[a as usize], bodies.radii[a as usize]);
         match bodies.walls.iter().zip(&self.walls).find(|(before, _)| before.body == b) {
             Some((before, wall)) => {
@@ -131,8 +131,8 @@ impl Moved {
     /// would halve the force of each.
     fn is_held(
         &self,
-        bodies: &Bodies,
-        contacts: &Contacts,
+        bodies: &BodyTable,
+        contacts: &ContactTable,
         a: u32,
         wall: &WallRow,
         gap: f64,
@@ -162,9 +162,9 @@ const TURN: f64 = 0.98;
 /// All pairs outside the program whose gap after a motion is at most `reach`. The search
 /// for new candidates runs only if bodies have left the neighbourhood of the present ones.
 pub(super) fn unlisted_pairs(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     Candidates(candidates): &Candidates,
-    contacts: &Contacts,
+    contacts: &ContactTable,
     after: &Moved,
     reach: f64,
 ) -> Vec<(u32, u32)> {
@@ -184,7 +184,7 @@ pub(super) fn unlisted_pairs(
         while listed.next_if(|listed| listed < pair).is_some() {}
         listed.peek() != Some(pair)
     });
-    if !bodies.groups.is_empty() {
+    if !bodies.groups.is_empty() || !bodies.links.is_empty() {
         pairs.retain(|(a, b)| !bodies.are_joined(*a, *b));
     }
     for wall in &bodies.walls {
@@ -192,6 +192,7 @@ pub(super) fn unlisted_pairs(
             let gap = after.gap(bodies, pair.0, pair.1);
             if gap <= reach
                 && !is_listed(contacts, pair)
+                && !bodies.are_joined(pair.0, pair.1)
                 && !after.is_held(bodies, contacts, pair.0, wall, gap)
             {
                 pairs.push(pair);
@@ -202,6 +203,6 @@ pub(super) fn unlisted_pairs(
 }
 
 /// Whether a pair is in the program.
-pub(super) fn is_listed(contacts: &Contacts, pair: (u32, u32)) -> bool {
+pub(super) fn is_listed(contacts: &ContactTable, pair: (u32, u32)) -> bool {
     contacts.0.binary_search_by_key(&pair, |c| (c.a, c.b)).is_ok()
 }

@@ -5,7 +5,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts, WallRow};
+use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
@@ -22,9 +22,9 @@ const STEP: f64 = 1e-6;
 /// maximum accepted motion. Constant normals are not valid beyond that, and a crushed specimen
 /// would find new support endlessly. A loaded wall without contact may come from any distance.
 pub fn judge(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     candidates: Res<Candidates>,
-    contacts: Res<Contacts>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     history: Res<DraftHistory>,

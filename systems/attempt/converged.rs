@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconverged};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
@@ -23,8 +23,8 @@ pub fn judge(
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     mut centre: ResMut<Centre>,
     mut corrections: ResMut<Corrections>,
     mut best: ResMut<BestUnconverged>,
@@ -104,7 +104,7 @@ pub(super) fn impossible_or(
 }
 
 /// Complaint about grains without bonds that have no equilibrium nearby.
-fn gives_way(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+fn gives_way(bodies: &BodyTable, program: &ConeProgram, solution: &ConeSolution) -> String {
     let mechanism = solution.certificate.as_ref();
     let place = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
     let place = place.map_or(String::new(), |(body, _)| format!(": {body} moves most"));
@@ -112,7 +112,7 @@ fn gives_way(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) ->
 }
 
 /// Complaint about a collapse without proof.
-fn unproved(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+fn unproved(bodies: &BodyTable, program: &ConeProgram, solution: &ConeSolution) -> String {
     let mechanism = solution.certificate.as_ref();
     let place = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
     let place = place.map_or(String::new(), |(body, _)| format!(", in which {body} moves most"));
@@ -135,7 +135,7 @@ fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Accept
 /// Keeps the residuals of the solution with the smallest error in the increment. Regularised
 /// attempts contain a bias, so later attempts may have larger residuals than the first.
 fn keep_best(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     program: &ConeProgram,
     solution: &ConeSolution,
     best: &mut BestUnconverged,
@@ -152,7 +152,7 @@ fn keep_best(
 
 /// Complaint about rigid bodies that lock. The forces prove it: they balance each other and do work
 /// on the imposed motions.
-fn locked(bodies: &Bodies, program: &ConeProgram, solution: &ConeSolution) -> String {
+fn locked(bodies: &BodyTable, program: &ConeProgram, solution: &ConeSolution) -> String {
     let forces = program.interactions.iter().zip(&solution.forces);
     let strongest = forces.max_by(|a, b| a.1[0].abs().total_cmp(&b.1[0].abs()));
     let place = strongest.map_or(String::new(), |(c, _)| {

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::findings::Sliding;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -13,7 +13,7 @@ use super::places::worst_place;
 /// statics the motion is then followed, and in dynamics the time step is halved.
 pub fn judge(
     sliding: Res<Sliding>,
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut attempt: ResMut<Attempt>,

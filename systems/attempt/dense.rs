@@ -27,7 +27,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::bond::{BondId, Rupture};
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::findings::{EventSearch, Ruptures};
 use clastic_components::increment::{Analysis, Progress, RuptureRules};
 use clastic_components::material::Materials;
@@ -59,8 +59,8 @@ pub fn is_unsettled(search: &EventSearch, ruptures: &Ruptures, progress: &Progre
 pub fn judge(
     rules: Res<RuptureRules>,
     mut progress: ResMut<Progress>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut ruptures: ResMut<Ruptures>,

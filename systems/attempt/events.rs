@@ -12,7 +12,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, BondRow, Contacts};
+use clastic_components::contact::{BodyTable, BondRow, ContactTable};
 use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
@@ -35,7 +35,7 @@ pub fn searches(search: Res<EventSearch>) -> bool {
 
 /// Begins the search of an increment if bonds break from event to event.
 pub fn begin(world: &mut World) {
-    let bodies = world.resource::<Bodies>();
+    let bodies = world.resource::<BodyTable>();
     let rules = world.resource::<RuptureRules>();
     // The overload has no term of the rolling moment: no search finds where one breaks the bond.
     let is_elastic = |bond: &BondRow| {
@@ -68,8 +68,8 @@ pub fn is_released(rules: &RuptureRules, progress: &Progress, search: &EventSear
 #[derive(SystemParam)]
 pub struct Tables<'w> {
     rules: Res<'w, RuptureRules>,
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     materials: Res<'w, Materials>,
     analysis: Res<'w, Analysis>,
     corrections: Res<'w, Corrections>,

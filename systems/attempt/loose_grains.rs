@@ -4,7 +4,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_cone::program::ConeSolution;
 
 use super::restraints::{takes_part, translations};
@@ -12,7 +12,7 @@ use super::restraints::{takes_part, translations};
 /// Tests whether a mechanism moves a minority of the particles, and neither a wall, nor a rigid
 /// group, nor a particle with a load of its own. Where most particles move, the specimen itself
 /// gives way, and its motion would be followed in vain.
-pub fn judge(bodies: Res<Bodies>, solution: Res<ConeSolution>, mut attempt: ResMut<Attempt>) {
+pub fn judge(bodies: Res<BodyTable>, solution: Res<ConeSolution>, mut attempt: ResMut<Attempt>) {
     // A motion that has found no rest ends with the proof, whatever bodies move in the mechanism.
     let Some(certificate) = solution.certificate.as_ref().filter(|_| attempt.effort().is_some())
     else {

@@ -19,7 +19,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode, Verdict};
-use clastic_components::contact::{Bodies, BondRow, Contact, Contacts};
+use clastic_components::contact::{BodyTable, BondRow, Contact, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Ruptures};
@@ -41,7 +41,7 @@ use crate::update_state::remembered;
 /// sigma_t r` at strength over the radius, and of the stiffness `1/C_N`. A rupture that leaves no
 /// bond is followed as a loss of equilibrium, since nothing else can break.
 fn units(world: &World, released: bool) -> (f64, f64, f64) {
-    let bonds = &world.resource::<Bodies>().bonds;
+    let bonds = &world.resource::<BodyTable>().bonds;
     if !released || bonds.is_empty() {
         let scales = world.resource::<ConeProgram>().scales;
         let first_weight = world.resource::<MotionSettings>().first_weight;
@@ -57,7 +57,7 @@ fn units(world: &World, released: bool) -> (f64, f64, f64) {
 /// equilibrium was found nearby. A `repeated` motion aims at steps half as long.
 pub fn begin(world: &mut World, released: bool, repeated: bool) {
     let (length, stiffness, weight) = units(world, released);
-    let bodies = world.resource::<Bodies>();
+    let bodies = world.resource::<BodyTable>();
     let goal = length * aimed(world.resource());
     let motion = Motion {
         released,
@@ -75,7 +75,7 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     attempt.motions += 1;
     attempt.magnitudes = None;
     let stopped = released || attempt.is_driven;
-    world.resource_mut::<Bodies>().drives_stopped = stopped;
+    world.resource_mut::<BodyTable>().drives_stopped = stopped;
     forget_passes(world);
     forget_pairs(world);
 }
@@ -95,7 +95,7 @@ pub fn max_steps(acceptance: &Acceptance, settings: &MotionSettings) -> u32 {
 /// Ends the motion under way. Imposed motions that it has made are not made again.
 pub fn end(world: &mut World) {
     let stopped = world.resource::<Attempt>().is_driven;
-    world.resource_mut::<Bodies>().drives_stopped = stopped;
+    world.resource_mut::<BodyTable>().drives_stopped = stopped;
 }
 
 /// Drops the pairs that solutions have added from other positions: each step detects its own.
@@ -113,8 +113,8 @@ pub fn forget_passes(world: &mut World) {
 /// Judge: is the step short enough for constant normals? In a motion that a rupture released, it
 /// must also be so short that bonds break close to their limits.
 pub fn judge_length(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     acceptance: Res<Acceptance>,
     settings: Res<MotionSettings>,
     program: Res<ConeProgram>,
@@ -145,8 +145,8 @@ pub fn judge_length(
 
 /// Judge: is the motion at rest after the step, or has the specimen moved too far to find rest?
 pub fn judge_rest(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     acceptance: Res<Acceptance>,
@@ -203,7 +203,7 @@ fn count_step(attempt: &mut Attempt) {
 /// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next
 /// step.
 pub fn take_step(world: &mut World) {
-    let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
+    let (bodies, program) = (world.resource::<BodyTable>(), world.resource::<ConeProgram>());
     let solution = world.resource::<ConeSolution>();
     let far = furthest(bodies, world.resource(), program, solution).map_or(0.0, |(_, far)| far);
     let displacements = solution.displacements.clone();
@@ -216,15 +216,15 @@ pub fn take_step(world: &mut World) {
     if let Mode::Motion(motion) = &mut attempt.mode {
         kinetic_damping::carry_on(motion, &displacements, far, &settings);
     }
-    world.resource_mut::<Bodies>().drives_stopped = true;
+    world.resource_mut::<BodyTable>().drives_stopped = true;
 }
 
 /// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings
 /// to a limit.
 fn move_tables(world: &mut World) {
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
-    let (contacts, draft) = (world.resource::<Contacts>(), world.resource::<DraftHistory>());
-    let bodies = world.resource::<Bodies>();
+    let (contacts, draft) = (world.resource::<ContactTable>(), world.resource::<DraftHistory>());
+    let bodies = world.resource::<BodyTable>();
     let mut history = remembered(
         bodies,
         world.resource(),
@@ -256,7 +256,7 @@ fn move_tables(world: &mut World) {
     if ledger {
         crate::energy_ledger::book_step(world, &history, &moved, &broken);
     }
-    let mut bodies = world.resource_mut::<Bodies>();
+    let mut bodies = world.resource_mut::<BodyTable>();
     bodies.move_by(moved.into_iter());
     bodies.break_bonds(&broken.iter().map(|rupture| rupture.bond).collect::<Vec<_>>());
     world.resource_mut::<DraftHistory>().0 = history;

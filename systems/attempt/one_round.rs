@@ -3,7 +3,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Ruptures;
 use clastic_components::increment::{Progress, RuptureRules};
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -14,8 +14,8 @@ use crate::rupture_bonds::{Met, find_ruptures};
 pub fn collect(
     rules: Res<RuptureRules>,
     progress: Res<Progress>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut ruptures: ResMut<Ruptures>,

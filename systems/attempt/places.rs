@@ -1,11 +1,11 @@
 //! Bodies and their places in words, for the complaints of the judges.
 
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 use clastic_cone::residuals::worst_bodies;
 
 /// Two bodies, which may be the same, and the place of the first one.
-pub(super) fn near(bodies: &Bodies, [a, b]: [usize; 2]) -> String {
+pub(super) fn near(bodies: &BodyTable, [a, b]: [usize; 2]) -> String {
     let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
     // The cell has no position.
     let at = bodies
@@ -17,7 +17,7 @@ pub(super) fn near(bodies: &Bodies, [a, b]: [usize; 2]) -> String {
 
 /// Place of the maximum residual of a solution; empty if it has none.
 pub(super) fn worst_place(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> String {
@@ -28,7 +28,7 @@ pub(super) fn worst_place(
 /// The body that moves furthest of those that may move, in words, and its translation in m. `None`
 /// if nothing moves.
 pub(super) fn moves_most(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     program: &ConeProgram,
     displacements: &[[f64; 3]],
 ) -> Option<(String, f64)> {

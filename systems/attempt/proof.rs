@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::places::moves_most;
@@ -12,7 +12,8 @@ use super::places::moves_most;
 #[must_use]
 pub fn proof(world: &World) -> Option<String> {
     let certificate = world.get_resource::<ConeSolution>()?.certificate.as_ref()?;
-    let (bodies, program) = (world.get_resource::<Bodies>()?, world.get_resource::<ConeProgram>()?);
+    let (bodies, program) =
+        (world.get_resource::<BodyTable>()?, world.get_resource::<ConeProgram>()?);
     let most = moves_most(bodies, program, &certificate.mechanism);
     let most = most.map_or(String::new(), |(body, _)| format!(", in which {body} moves most"));
     Some(format!("no equilibrium exists: a mechanism proves it{most}"))

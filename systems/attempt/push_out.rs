@@ -9,7 +9,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Pushed;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -20,7 +20,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 const MARGIN: f64 = 10.0;
 
 /// Maximum overlap that counts as a residual, m.
-pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &Bodies) -> f64 {
+pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &BodyTable) -> f64 {
     MARGIN * acceptance.residual * bodies.mean_radius
 }
 
@@ -28,8 +28,8 @@ pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &Bodies) -> f64 
 pub fn judge(
     analysis: Res<Analysis>,
     acceptance: Res<Acceptance>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut pushed: ResMut<Pushed>,
@@ -48,8 +48,8 @@ pub fn judge(
 /// Whether rigid bodies overlap at the start.
 pub(crate) fn overlaps(
     acceptance: &Acceptance,
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
 ) -> bool {
     let residual = residual_overlap(acceptance, bodies);

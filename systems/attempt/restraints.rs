@@ -4,7 +4,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Bearing, Restraints};
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, Interaction};
@@ -31,7 +31,7 @@ pub(super) fn takes_part(far: &[f64]) -> impl Fn(usize) -> bool + '_ {
 /// Judge: is a collapse the mechanism of grains that hang on taut bonds? The program lacks their
 /// geometric stiffness and is solved again with it.
 pub fn judge(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut restraints: ResMut<Restraints>,
@@ -48,7 +48,7 @@ pub fn judge(
 /// Adds the restraints that a solution with thrown grains shows. Returns whether any of them
 /// changes the program. With `all_regularised` another regularised grain does not.
 pub fn restrain(
-    (bodies, contacts, program, solution): (&Bodies, &Contacts, &ConeProgram, &ConeSolution),
+    (bodies, contacts, program, solution): (&BodyTable, &ContactTable, &ConeProgram, &ConeSolution),
     acceptance: &Acceptance,
     restraints: &mut Restraints,
     all_regularised: bool,
@@ -63,7 +63,7 @@ pub fn restrain(
 /// Finds grains without load, whose motion is not determined. A grain that is pushed after all was
 /// part of the load-bearing structure.
 fn hold_unloaded(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     program: &ConeProgram,
     solution: &ConeSolution,
     restraints: &mut Restraints,
@@ -87,7 +87,7 @@ fn hold_unloaded(
 
 /// Finds grains that swing. Only grains with a taut bond count as new.
 fn pull_back(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     program: &ConeProgram,
     restraints: &mut Restraints,
     far: impl Fn(usize) -> bool,

@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
@@ -16,7 +16,7 @@ use super::{events, motion};
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
 use crate::schedule::AttemptIncrement;
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 use crate::trial_loads::ask_for_loads;
 
 /// Runs [`AttemptIncrement`] until the increment has ended.
@@ -26,7 +26,7 @@ pub fn run_attempts(world: &mut World) {
     // The tables before the first motion, for restoring them.
     let mut start = None;
     loop {
-        if let Some(Halted(reason)) = world.get_resource::<Halted>() {
+        if let Some(ClasticHalted(reason)) = world.get_resource::<ClasticHalted>() {
             world.resource_mut::<Attempt>().complaint = reason.clone();
             end_increment(world, IncrementStatus::Undecided, start.as_ref());
             world.insert_resource(before);
@@ -134,24 +134,24 @@ const SHRUNK: f64 = 2.0 / 3.0;
 
 /// The tables that a motion changes.
 struct Start {
-    bodies: Bodies,
+    bodies: BodyTable,
     draft: DraftHistory,
     ruptures: Ruptures,
     energies: MotionEnergies,
     /// What proves that the increment has no equilibrium, if something does.
-    proof: Option<(Contacts, ConeProgram, ConeSolution)>,
+    proof: Option<(ContactTable, ConeProgram, ConeSolution)>,
 }
 
 impl Start {
     fn take(world: &World) -> Self {
         Self {
-            bodies: world.resource::<Bodies>().clone(),
+            bodies: world.resource::<BodyTable>().clone(),
             draft: world.resource::<DraftHistory>().clone(),
             ruptures: world.resource::<Ruptures>().clone(),
             energies: world.resource::<MotionEnergies>().clone(),
             proof: world.resource::<Attempt>().is_proved.then(|| {
                 let (contacts, program) =
-                    (world.resource::<Contacts>(), world.resource::<ConeProgram>());
+                    (world.resource::<ContactTable>(), world.resource::<ConeProgram>());
                 (contacts.clone(), program.clone(), world.resource::<ConeSolution>().clone())
             }),
         }
@@ -164,7 +164,7 @@ fn put_back(world: &mut World, start: Option<&Start>) {
     motion::end(world);
     if let Some(start) = start {
         motion::forget_pairs(world);
-        world.resource_mut::<Bodies>().clone_from(&start.bodies);
+        world.resource_mut::<BodyTable>().clone_from(&start.bodies);
         world.resource_mut::<DraftHistory>().clone_from(&start.draft);
         world.resource_mut::<Ruptures>().clone_from(&start.ruptures);
         world.resource_mut::<MotionEnergies>().clone_from(&start.energies);
@@ -233,8 +233,8 @@ fn budget(world: &World) -> Budget {
 
 /// Begins a trial: another fraction of the increment, or other positions of the bodies.
 fn open_trial(world: &mut World) {
-    if world.resource::<Bodies>().drives_stopped {
-        world.resource_scope(|world, mut bodies: Mut<Bodies>| {
+    if world.resource::<BodyTable>().drives_stopped {
+        world.resource_scope(|world, mut bodies: Mut<BodyTable>| {
             let (world, table_of) = (&*world, |wall| world.get(wall));
             renew_stresses(&mut bodies, table_of, world.resource(), world.resource());
         });

@@ -5,7 +5,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Verdict};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Restraints;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -19,8 +19,8 @@ use crate::turns::{of_bonded, too_far};
 /// than [`Acceptance::turn`]. It may show [restraints](super::restraints), which the next attempt then
 /// includes. Every such reply adds a restraint, of which a specimen has a finite number.
 pub fn judge(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,

@@ -26,7 +26,7 @@ impl Bad {
     pub(super) fn in_words(&self, owner: impl Display) -> String {
         let Self { field, value, wanted } = self;
         format!(
-            "{owner} has {field} = {value}: give {wanted}, then remove `Halted` and insert `Running::Always`"
+            "{owner} has {field} = {value}: give {wanted}, then remove `ClasticHalted` and insert `ClasticRunning::Always`"
         )
     }
 }

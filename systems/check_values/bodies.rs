@@ -1,19 +1,28 @@
 //! Particles, walls and rigid groups in the tables.
 
-use clastic_components::body::Drive;
+use clastic_components::body::BodyDrive;
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
+use clastic_components::domain::{PLACE, RADIUS, SPIN, VELOCITY};
+use clastic_components::increment::Analysis;
+use clastic_components::particle::Particle;
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::WallShape;
 
-use super::bad::{Bad, bad, finite, not_negative};
+use super::bad::{Bad, bad, finite, not_negative, outside};
 use super::laws;
 
+/// The thickness of a disk, if it is another one than that of the analysis.
+pub(super) fn thickness(disk: &Particle, analysis: &Analysis) -> Option<Bad> {
+    let h = disk.thickness.filter(|h| *h != analysis.thickness)?;
+    let wanted = format!("that of `Analysis`, {:?} m, or set that one", analysis.thickness);
+    Some(Bad::new("thickness", h, wanted))
+}
+
 /// A particle, where there are this number of materials. Without any all contacts are rigid.
-pub(super) fn particle(bodies: &Bodies, i: usize, materials: usize) -> Option<Bad> {
+pub(super) fn particle(bodies: &BodyTable, i: usize, materials: usize) -> Option<Bad> {
     let radius = bodies.radii[i];
-    let is_radius = radius > 0.0 && radius.is_finite();
-    bad("radius", radius, is_radius, "a length above 0 in m")
+    outside("radius", radius, RADIUS)
         .or_else(|| place(bodies, i))
         .or_else(|| not_negative("mass", bodies.masses[i], "a mass in kg, not below 0"))
         .or_else(|| not_negative("inertia", bodies.inertias[i], "kg m^2, not below 0"))
@@ -31,7 +40,7 @@ pub(super) fn particle(bodies: &Bodies, i: usize, materials: usize) -> Option<Ba
         })
 }
 
-pub(super) fn wall(bodies: &Bodies, k: usize) -> Option<Bad> {
+pub(super) fn wall(bodies: &BodyTable, k: usize) -> Option<Bad> {
     let wall = &bodies.walls[k];
     let length = wall.half_length;
     let drive = match wall.drive {
@@ -56,9 +65,8 @@ pub(super) fn wall(bodies: &Bodies, k: usize) -> Option<Bad> {
 
 fn arc(shape: &WallShape) -> Option<Bad> {
     let WallShape::Arc { centre, radius, axis, half_angle } = *shape else { return None };
-    let is_radius = radius > 0.0 && radius.is_finite();
     let is_angle = half_angle > 0.0 && half_angle.is_finite();
-    bad("radius of its arc", radius, is_radius, "a length above 0 in m")
+    outside("radius of its arc", radius, RADIUS)
         .or_else(|| bad("half_angle of its arc", half_angle, is_angle, "an angle above 0 in rad"))
         .or_else(|| {
             let all = [centre.x, centre.y, axis.x, axis.y];
@@ -67,7 +75,7 @@ fn arc(shape: &WallShape) -> Option<Bad> {
 }
 
 /// A rigid group.
-pub(super) fn group(bodies: &Bodies, k: usize) -> Option<Bad> {
+pub(super) fn group(bodies: &BodyTable, k: usize) -> Option<Bad> {
     let group = &bodies.groups[k];
     let load = group.loads.iter().flat_map(|ramp| [ramp.from, ramp.to]);
     let wanted = "forces in N and a moment in N m";
@@ -94,24 +102,24 @@ pub(super) fn cell(cell: &PeriodicCell) -> Option<Bad> {
 }
 
 /// Position, velocities and last motion of a body.
-fn place(bodies: &Bodies, row: usize) -> Option<Bad> {
+fn place(bodies: &BodyTable, row: usize) -> Option<Bad> {
     let (at, v) = (bodies.positions[row], bodies.velocities[row]);
     let moved = bodies.last_motion[row];
-    finite("Position x", at.x, "a coordinate in m")
-        .or_else(|| finite("Position y", at.y, "a coordinate in m"))
-        .or_else(|| finite("Velocity x", v.x, "a velocity in m/s"))
-        .or_else(|| finite("Velocity y", v.y, "a velocity in m/s"))
-        .or_else(|| finite("AngularVelocity", bodies.angular_velocities[row], "rad/s"))
+    outside("BodyPosition x", at.x, PLACE)
+        .or_else(|| outside("BodyPosition y", at.y, PLACE))
+        .or_else(|| outside("BodyVelocity x", v.x, VELOCITY))
+        .or_else(|| outside("BodyVelocity y", v.y, VELOCITY))
+        .or_else(|| outside("BodyAngularVelocity", bodies.angular_velocities[row], SPIN))
         .or_else(|| finite("LastMotion x", moved[0], "a displacement in m"))
         .or_else(|| finite("LastMotion y", moved[1], "a displacement in m"))
         .or_else(|| finite("rotation of LastMotion", moved[2], "an angle in rad"))
 }
 
-fn drives(drives: &[Drive; 3]) -> Option<Bad> {
+fn drives(drives: &[BodyDrive; 3]) -> Option<Bad> {
     let imposed = drives.iter().filter_map(|drive| match drive {
-        Drive::Imposed(u) => Some(*u),
-        Drive::Free => None,
+        BodyDrive::Imposed(u) => Some(*u),
+        BodyDrive::Free => None,
     });
     let wanted = "displacements in m and an angle in rad";
-    imposed.filter_map(|u| finite("Drives", u, wanted)).next()
+    imposed.filter_map(|u| finite("BodyDrives", u, wanted)).next()
 }

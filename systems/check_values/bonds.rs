@@ -4,13 +4,13 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 
 use super::bad::{Bad, finite};
 use super::laws;
 
 /// The first bond of the tables without a meaning, with its entity and the name of the bond.
-pub(super) fn in_tables(bodies: &Bodies) -> Option<(BondId, Entity, String, Bad)> {
+pub(super) fn in_tables(bodies: &BodyTable) -> Option<(BondId, Entity, String, Bad)> {
     let pair = |bond: &clastic_components::rows::BondRow| {
         let [a, b] = [bond.a, bond.b].map(|row| bodies.name(row as usize));
         format!("of {a} and {b}")
@@ -43,7 +43,7 @@ pub(super) fn in_tables(bodies: &Bodies) -> Option<(BondId, Entity, String, Bad)
 /// The first intact bond to a body that does not exist. Bonds end with their bodies, so that only
 /// such a bond, or one within a rigid group, has no row.
 pub(super) fn loose(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     bonds: &Query<(Entity, &BondId, &Bond, &BondState)>,
 ) -> Option<(BondId, Entity, String, Bad)> {
     let intact = || bonds.iter().filter(|(.., state)| **state == BondState::Intact);

@@ -1,17 +1,17 @@
 //! Loads and springs that a program adds to a trial.
 
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::loads::TrialLoads;
 
 use super::bad::{Bad, finite, not_negative};
 
 /// Why the loads of a trial are refused; `None` if they are not.
 #[must_use]
-pub(crate) fn refused_load(loads: &TrialLoads, bodies: &Bodies) -> Option<String> {
+pub(crate) fn refused_load(loads: &TrialLoads, bodies: &BodyTable) -> Option<String> {
     loads.iter().find_map(|(id, k, load)| {
         let Some(row) = bodies.row(id) else {
             let bad = Bad::new("body", id, "the identity of a body that is in the world");
-            return Some(bad.in_words("a load of `Loads`"));
+            return Some(bad.in_words("a load of `AddTrialLoads`"));
         };
         let axis = (k > 2).then(|| Bad::new("degree of freedom", k, "0, 1 or 2 (x, y, rotation)"));
         let is_wall = row >= bodies.particles && row < bodies.ids.len() - bodies.group_count;
@@ -24,11 +24,9 @@ pub(crate) fn refused_load(loads: &TrialLoads, bodies: &Bodies) -> Option<String
                     .then(|| Bad::new("stiffness", load.stiffness, wanted))
             })?;
         let entity = bodies.entities[row];
-        Some(
-            bad.in_words(format_args!(
-                "a load of `Loads` on {}, entity {entity},",
-                bodies.name(row)
-            )),
-        )
+        Some(bad.in_words(format_args!(
+            "a load of `AddTrialLoads` on {}, entity {entity},",
+            bodies.name(row)
+        )))
     })
 }

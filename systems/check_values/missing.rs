@@ -6,8 +6,8 @@ use bevy_ecs::component::{ComponentId, Components};
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{
-    AngularVelocity, AppliedLoad, Drives, ExternalForce, LastMotion, LoadControl, Position,
-    Rotation, Velocity,
+    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyPosition, BodyRotation, BodyVelocity,
+    ExternalForce, LastMotion, LoadControl,
 };
 use clastic_components::bond::{Bond, BondState};
 use clastic_components::material::ContactLaw;
@@ -45,12 +45,12 @@ fn kinds(components: &Components) -> [(Option<ComponentId>, Vec<Needed>); 4] {
         (
             components.component_id::<Particle>(),
             needed![
-                Position,
-                Rotation,
-                Velocity,
-                AngularVelocity,
+                BodyPosition,
+                BodyRotation,
+                BodyVelocity,
+                BodyAngularVelocity,
                 LastMotion,
-                Drives,
+                BodyDrives,
                 LoadControl,
                 AppliedLoad,
                 ExternalForce,
@@ -59,15 +59,15 @@ fn kinds(components: &Components) -> [(Option<ComponentId>, Vec<Needed>); 4] {
         ),
         (
             components.component_id::<Wall>(),
-            needed![Position, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl],
+            needed![BodyPosition, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl],
         ),
         (
             components.component_id::<RigidGroup>(),
             needed![
-                Position,
-                Rotation,
+                BodyPosition,
+                BodyRotation,
                 LastMotion,
-                Drives,
+                BodyDrives,
                 LoadControl,
                 AppliedLoad,
                 ExternalForce,

@@ -8,6 +8,7 @@ mod bodies;
 mod bonds;
 mod controls;
 mod laws;
+mod links;
 mod loads;
 mod missing;
 mod settings;
@@ -16,12 +17,15 @@ use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
 
+use clastic_components::body::BodyId;
 use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
+use clastic_components::link::Link;
 use clastic_components::material::Materials;
+use clastic_components::particle::Particle;
 use clastic_components::wall::{WallName, WallSlide, WallTable};
 
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 
 pub(crate) use self::loads::refused_load;
 use self::settings::Settings;
@@ -31,14 +35,16 @@ use self::settings::Settings;
 /// a control without its table as no control. It runs in every increment: it reads what the system
 /// before it has just written.
 pub(crate) fn check_values(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     settings: Settings,
     materials: Option<Res<Materials>>,
     (archetypes, components): (&Archetypes, &Components),
+    particles: Query<(&BodyId, &Particle)>,
     bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
+    links: Query<(Entity, &Link)>,
     controls: Query<(Option<&WallTable>, Option<&WallSlide>)>,
     names: Query<(Option<&Name>, Option<&WallName>)>,
-    halted: Option<Res<Halted>>,
+    halted: Option<Res<ClasticHalted>>,
     mut commands: Commands,
 ) {
     if halted.is_some() {
@@ -67,6 +73,14 @@ pub(crate) fn check_values(
         (0..bodies.particles)
             .find_map(|i| Some(bodies::particle(&bodies, i, list.len())?.in_words(body(i))))
     };
+    // In the order of identities: the first one found depends on the history of the world.
+    let of_thickness = || {
+        let bad = particles
+            .iter()
+            .filter_map(|(id, disk)| Some((*id, bodies::thickness(disk, &settings.analysis)?)));
+        let (id, bad) = bad.min_by_key(|(id, _)| *id)?;
+        Some(bad.in_words(body(bodies.row(id)?)))
+    };
     let of_wall = || {
         bodies.walls.iter().enumerate().find_map(|(k, wall)| {
             let row = wall.body as usize;
@@ -87,15 +101,18 @@ pub(crate) fn check_values(
         let (id, entity, pair, bad) = bad?;
         Some(bad.in_words(format_args!("bond {}, {}, {pair}", id.0, called(entity))))
     };
+    let of_link = || links::bad(&bodies, &links, &bonds);
     let message = of_setting()
         .or_else(of_cell)
         .or_else(lacking)
         .or_else(of_material)
         .or_else(of_particle)
+        .or_else(of_thickness)
         .or_else(of_wall)
         .or_else(of_group)
-        .or_else(of_bond);
+        .or_else(of_bond)
+        .or_else(of_link);
     if let Some(message) = message {
-        commands.insert_resource(Halted(message));
+        commands.insert_resource(ClasticHalted(message));
     }
 }

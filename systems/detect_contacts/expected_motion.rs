@@ -2,8 +2,8 @@
 
 use glam::DVec2;
 
-use clastic_components::body::Drive;
-use clastic_components::contact::{Bodies, WallRow};
+use clastic_components::body::BodyDrive;
+use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
@@ -64,7 +64,7 @@ impl ExpectedMotion {
 /// The expected motion is the imposed motion, if any, else free flight in dynamics, else the motion
 /// of the last increment. Every pair is kept up to a gap of `minimum` (m).
 pub fn expected_motion(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     progress: &Progress,
     minimum: f64,
@@ -84,7 +84,7 @@ pub fn expected_motion(
     let mut imposed = 0.0_f64;
     for i in 0..bodies.particles {
         for k in 0..2 {
-            if let Drive::Imposed(u) = bodies.drive(i, k) {
+            if let BodyDrive::Imposed(u) = bodies.drive(i, k) {
                 displacement[i][k] = f * u;
                 imposed = imposed.max((f * u).abs());
             }
@@ -92,8 +92,8 @@ pub fn expected_motion(
     }
     for group in &bodies.groups {
         let u = [0, 1, 2].map(|k| match bodies.group_drive(group, k) {
-            Drive::Imposed(u) => Some(f * u),
-            Drive::Free => None,
+            BodyDrive::Imposed(u) => Some(f * u),
+            BodyDrive::Free => None,
         });
         if u.iter().all(Option::is_none) {
             continue;

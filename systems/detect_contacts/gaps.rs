@@ -2,13 +2,13 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{Bodies, Contact, WallRow};
+use clastic_components::contact::{BodyTable, Contact, WallRow};
 use clastic_components::wall_shape::Nearest;
 
 /// Normal from a to b and gap `g_0 = |x_b - x_a| - (r_a + r_b)` of two particles; in a cell b is
 /// its nearest image.
 #[must_use]
-pub fn pair_contact(bodies: &Bodies, a: u32, b: u32) -> Contact {
+pub fn pair_contact(bodies: &BodyTable, a: u32, b: u32) -> Contact {
     let (i, j) = (a as usize, b as usize);
     let d = bodies.way(i, j);
     let length = d.length();
@@ -19,7 +19,7 @@ pub fn pair_contact(bodies: &Bodies, a: u32, b: u32) -> Contact {
 
 /// Normal from particle a to the nearest point of the wall and gap, the distance to it less `r_a`.
 #[must_use]
-pub fn wall_contact(bodies: &Bodies, a: u32, wall: &WallRow) -> Contact {
+pub fn wall_contact(bodies: &BodyTable, a: u32, wall: &WallRow) -> Contact {
     let i = a as usize;
     let near = wall.nearest(bodies.positions[wall.body as usize], bodies.positions[i]);
     let gap = near.distance - bodies.radii[i];
@@ -52,9 +52,9 @@ pub fn wall_gap(
     gap
 }
 
-/// Whether a contact belongs to another wall, since a second one would halve the force of each. Where
-/// the end of a thin wall lies on another wall, the nearer of the two has the contact. If both have the
-/// same point, a line has it, and of two thin walls the one with the lower number.
+/// Whether a contact belongs to another wall, since a second one would halve the force of each.
+/// Where the end of a thin wall lies on another wall, the nearer of the two has the contact. If
+/// both have the same point, a line has it, and of two thin walls the one with the lower number.
 fn is_of_another(
     walls: &[WallRow],
     positions: &[DVec2],

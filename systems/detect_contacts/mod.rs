@@ -1,10 +1,10 @@
 //! Contact detection: which pairs may carry force in this increment.
 //!
-//! Candidates come from an exact search by a [`grid`] of cells, whose result is kept while the disks
-//! move little ([`candidates`]). Of the candidates, those that cannot close within the increment are
-//! pruned by an estimate of the motion; the estimate may be wrong, so
-//! [`closed_pairs`](crate::attempt::closed_pairs) checks the solution against all pairs and asks for
-//! another attempt with those that it missed. No number here therefore decides which contacts
+//! Candidates come from an exact search by a [`grid`] of cells, whose result is kept while the
+//! disks move little ([`candidates`]). Of the candidates, those that cannot close within the
+//! increment are pruned by an estimate of the motion; the estimate may be wrong, so
+//! [`closed_pairs`](crate::attempt::closed_pairs) checks the solution against all pairs and asks
+//! for another attempt with those that it missed. No number here therefore decides which contacts
 //! close.
 
 pub mod candidates;
@@ -19,7 +19,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Analysis, Progress};
 
@@ -41,7 +41,7 @@ pub struct DetectContactsPlugin;
 
 impl Plugin for DetectContactsPlugin {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Contacts>()
+        app.init_resource::<ContactTable>()
             .init_resource::<Candidates>()
             .init_resource::<MotionSettings>()
             .add_systems(
@@ -55,16 +55,16 @@ impl Plugin for DetectContactsPlugin {
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Candidates(pub CandidatePairs);
 
-/// Fills [`Contacts`], sorted by (a, b): every intact bond, and every pair that may close.
+/// Fills [`ContactTable`], sorted by (a, b): every intact bond, and every pair that may close.
 pub fn detect_contacts(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     analysis: Res<Analysis>,
     progress: Res<Progress>,
     attempt: Res<Attempt>,
     added: Res<AddedPairs>,
     settings: Res<MotionSettings>,
     mut candidates: ResMut<Candidates>,
-    mut contacts: ResMut<Contacts>,
+    mut contacts: ResMut<ContactTable>,
 ) {
     // A step of a motion may change direction: nearby pairs take part whatever the last motion was.
     let minimum = attempt.motion().map_or(0.0, |_| settings.reach * bodies.mean_radius);
@@ -100,9 +100,9 @@ pub fn detect_contacts(
             list.push(Contact { bond, ..contact });
         }
     };
-    let is_grouped = !bodies.groups.is_empty();
+    let has_joined = !bodies.groups.is_empty() || !bodies.links.is_empty();
     for (a, b) in merged_pairs(&bodies, &added.0, near) {
-        if is_grouped && bodies.are_joined(a, b) {
+        if has_joined && bodies.are_joined(a, b) {
             continue;
         }
         let wanted = if (b as usize) < n {
@@ -124,7 +124,7 @@ pub fn detect_contacts(
 
 /// Candidates, wall pairs, bonds and added pairs, sorted by (a, b) and without repeats.
 fn merged_pairs(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     added: &[(u32, u32)],
     candidates: &[(u32, u32)],
 ) -> Vec<(u32, u32)> {

@@ -2,18 +2,18 @@
 
 use clastic_components::body::Ramp;
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::{Analysis, Progress};
 
 /// The cell after the displacement of its body (m, m, rad).
-pub fn deformed(bodies: &Bodies, moved: Option<[f64; 3]>) -> Option<PeriodicCell> {
+pub fn deformed(bodies: &BodyTable, moved: Option<[f64; 3]>) -> Option<PeriodicCell> {
     let cell = bodies.cell?;
     Some(moved.map_or(cell, |moved| cell.deformed(moved, bodies.mean_radius)))
 }
 
 /// Loads of the body in the whole increment that was just committed: the stresses of the controls
 /// on the area at its start. Zero along an imposed strain and without a cell.
-pub fn loads(bodies: &Bodies, analysis: &Analysis, progress: &Progress) -> [Ramp; 3] {
+pub fn loads(bodies: &BodyTable, analysis: &Analysis, progress: &Progress) -> [Ramp; 3] {
     let Some(cell) = &bodies.cell else { return [Ramp::default(); 3] };
     let start = Progress { done: progress.done - progress.fraction, ..progress.clone() };
     let factors = cell.loads_of_controls(bodies.mean_radius, analysis.thickness);

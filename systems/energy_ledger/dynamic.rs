@@ -3,7 +3,9 @@
 
 use glam::DVec2;
 
-use clastic_components::body::{AngularVelocity, BodyId, Drive, ExternalForce, Position, Velocity};
+use clastic_components::body::{
+    BodyAngularVelocity, BodyDrive, BodyId, BodyPosition, BodyVelocity, ExternalForce,
+};
 use clastic_components::energy::Energies;
 use clastic_components::rigid_group::GroupRow;
 use clastic_cone::program::ConeProgram;
@@ -13,10 +15,10 @@ use super::interactions::{Part, Tables};
 /// A body after the step.
 type Row<'a> = (
     &'a BodyId,
-    &'a Position,
+    &'a BodyPosition,
     &'a ExternalForce,
-    Option<&'a Velocity>,
-    Option<&'a AngularVelocity>,
+    Option<&'a BodyVelocity>,
+    Option<&'a BodyAngularVelocity>,
 );
 
 /// Adds the work of loads and the kinetic energy of a time step of `dt` (s). Returns the
@@ -65,7 +67,7 @@ pub fn book_bodies(
                 // Loads and drives act on the group.
                 continue;
             }
-            if bodies.drives[i][k] == Drive::Free {
+            if bodies.drives[i][k] == BodyDrive::Free {
                 mean[i][k] = 0.5 * dt * (before[k] + after[k]);
                 let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
                 e.numerical += (force.0[k] + weight) * (theta - 0.5) * dt * change;
@@ -98,7 +100,7 @@ fn book_group(
     let all = bodies.load_on_group(group, tables.fraction, tables.analysis.gravity);
     for k in 0..3 {
         let u = tables.solution.displacements[row][k];
-        if group.drives[k] == Drive::Free {
+        if group.drives[k] == BodyDrive::Free {
             let after = (u / dt - (1.0 - theta) * before[k]) / theta;
             mean[k] = 0.5 * dt * (before[k] + after);
             let of_members = all[k] - group.loads[k].at(tables.fraction);

@@ -5,7 +5,7 @@ use glam::DVec2;
 use clastic_components::body::Ramp;
 use clastic_components::bond::BondId;
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Corrections;
@@ -20,8 +20,8 @@ use clastic_cone::residuals::{Multipliers, multipliers};
 
 /// Tables of the increment or step: initial and final state.
 pub struct Tables<'a> {
-    pub bodies: &'a Bodies,
-    pub contacts: &'a Contacts,
+    pub bodies: &'a BodyTable,
+    pub contacts: &'a ContactTable,
     /// Memory of the contacts at the end.
     pub history: &'a ContactHistory,
     pub materials: &'a Materials,

@@ -48,8 +48,10 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use clastic_components::body::{AngularVelocity, BodyId, ExternalForce, Position, Velocity};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::body::{
+    BodyAngularVelocity, BodyId, BodyPosition, BodyVelocity, ExternalForce,
+};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies, Released};
 use clastic_components::findings::{Corrections, Ruptures};
@@ -63,7 +65,7 @@ use self::interactions::{Before, Part, Tables, after_rupture, book, gap_at};
 use self::quasi_static::Starts;
 use crate::schedule::{Increment, IncrementSystems, committed};
 use crate::state::RegisterState;
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 
 pub(crate) use self::steps::book_step;
 
@@ -78,7 +80,7 @@ impl Plugin for EnergyLedgerPlugin {
             .in_set(IncrementSystems::Renumber);
         let note = note_change
             .run_if(resource_exists::<EnergyLedger>)
-            .run_if(not(resource_exists::<Halted>))
+            .run_if(not(resource_exists::<ClasticHalted>))
             .after(IncrementSystems::Gather)
             .before(IncrementSystems::Renumber);
         app.add_systems(Increment, (note, renumber)).add_systems(
@@ -116,18 +118,18 @@ fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
 /// A body after the increment.
 type MovedBody = (
     &'static BodyId,
-    &'static Position,
+    &'static BodyPosition,
     &'static ExternalForce,
-    Option<&'static Velocity>,
-    Option<&'static AngularVelocity>,
+    Option<&'static BodyVelocity>,
+    Option<&'static BodyAngularVelocity>,
 );
 type Moved<'w, 's> = Query<'w, 's, MovedBody>;
 
 /// Initial state and program of the increment.
 #[derive(SystemParam)]
 pub struct Solved<'w> {
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     materials: Res<'w, Materials>,
     analysis: Res<'w, Analysis>,
     progress: Res<'w, Progress>,
@@ -234,7 +236,13 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
 fn exchange_kinetic(
     e: &mut Energies,
     tables: &Tables,
-    rows: &[(&BodyId, &Position, &ExternalForce, Option<&Velocity>, Option<&AngularVelocity>)],
+    rows: &[(
+        &BodyId,
+        &BodyPosition,
+        &ExternalForce,
+        Option<&BodyVelocity>,
+        Option<&BodyAngularVelocity>,
+    )],
     ledger: &mut EnergyLedger,
 ) {
     let Tables { bodies, analysis, .. } = tables;

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::bond::Rupture;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Energies, MotionEnergies};
 use clastic_components::increment::{Analysis, Progress};
@@ -21,7 +21,7 @@ pub(crate) fn book_step(
     moved: &[[f64; 3]],
     broken: &[Rupture],
 ) {
-    let (bodies, program) = (world.resource::<Bodies>(), world.resource::<ConeProgram>());
+    let (bodies, program) = (world.resource::<BodyTable>(), world.resource::<ConeProgram>());
     let (solution, analysis) = (world.resource::<ConeSolution>(), world.resource::<Analysis>());
     let mut e = Energies::default();
     let mut held = vec![[0.0; 3]; program.bodies.len()];
@@ -45,7 +45,7 @@ pub(crate) fn book_step(
         bodies.positions.iter().zip(moved).map(|(x, u)| *x + DVec2::new(u[0], u[1])).collect();
     let tables = Tables {
         bodies,
-        contacts: world.resource::<Contacts>(),
+        contacts: world.resource::<ContactTable>(),
         history,
         materials: world.resource(),
         analysis,

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::bond::RuptureMode;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::measure::{CrackPart, CrackSum, CrackSums};
 use clastic_components::observation::Observation;
 
@@ -12,7 +12,7 @@ use super::principal::axis;
 
 /// Adds the bonds that broke in the increment.
 pub fn follow_cracks(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     observation: Res<Observation>,
     sums: Option<ResMut<CrackSums>>,
 ) {

@@ -1,6 +1,6 @@
 //! Fabric tensor of the contacts of particles with each other.
 
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::measure::{FabricComponent, Network};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
@@ -11,7 +11,7 @@ use super::principal::Principal;
 /// places of the particles. `None` without such contacts.
 #[must_use]
 pub fn fabric(
-    (bodies, contacts): (&Bodies, &Contacts),
+    (bodies, contacts): (&BodyTable, &ContactTable),
     (program, solution): (&ConeProgram, &ConeSolution),
     component: FabricComponent,
     network: Network,

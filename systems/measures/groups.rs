@@ -4,17 +4,17 @@
 use glam::DVec2;
 
 use clastic_components::body::BodyId;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// Force (x, y; N) of the contacts with other bodies on the particles, and its moment about their
 /// centre of mass (N m), anticlockwise. Points and centre are those at the start of the increment,
-/// which [`Bodies`] holds until it is gathered anew. `None` without any of the particles.
+/// which [`BodyTable`] holds until it is gathered anew. `None` without any of the particles.
 #[must_use]
 pub fn force_on(
     members: &[BodyId],
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Option<[f64; 3]> {

@@ -4,8 +4,8 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{AngularVelocity, BodyId, LastMotion, Velocity};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::body::{BodyAngularVelocity, BodyId, BodyVelocity, LastMotion};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::measure::Quantity;
 use clastic_components::membrane::{Membrane, MembraneShape};
@@ -41,6 +41,7 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::Cracks { .. }
         | Quantity::WallForce { .. }
         | Quantity::Membrane { .. }
+        | Quantity::Grains { .. }
         | Quantity::Poured { .. } => {
             let _ = world.run_system_cached(gather_bodies);
             world.run_system_cached_with(read_place, asked).ok().flatten()
@@ -62,12 +63,13 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
 }
 
 /// What the kinetic energy of a particle depends on.
-pub type Moving = (&'static BodyId, &'static Particle, &'static Velocity, &'static AngularVelocity);
+pub type Moving =
+    (&'static BodyId, &'static Particle, &'static BodyVelocity, &'static BodyAngularVelocity);
 
 /// Kinetic energy of the particles, J. The sum runs in the order of identities, because it depends
 /// on the order and query order may vary.
 pub fn kinetic_energy<'a>(
-    moving: impl Iterator<Item = (&'a BodyId, &'a Particle, &'a Velocity, &'a AngularVelocity)>,
+    moving: impl Iterator<Item = (&'a BodyId, &'a Particle, &'a BodyVelocity, &'a BodyAngularVelocity)>,
 ) -> f64 {
     let mut energy: Vec<(BodyId, f64)> = moving
         .map(|(id, p, v, w)| (*id, 0.5 * (p.mass * v.0.length_squared() + p.inertia * w.0 * w.0)))
@@ -88,7 +90,7 @@ fn with_kept_forces<T>(world: &mut World, then: impl FnOnce(&mut World) -> T) ->
     let (mut contacts, mut program, mut solution) =
         world.run_system_cached(kept_contacts).unwrap_or_default();
     let mut exchange = |world: &mut World| {
-        std::mem::swap(&mut *world.resource_mut::<Contacts>(), &mut contacts);
+        std::mem::swap(&mut *world.resource_mut::<ContactTable>(), &mut contacts);
         std::mem::swap(&mut *world.resource_mut::<ConeProgram>(), &mut program);
         std::mem::swap(&mut *world.resource_mut::<ConeSolution>(), &mut solution);
     };
@@ -100,7 +102,7 @@ fn with_kept_forces<T>(world: &mut World, then: impl FnOnce(&mut World) -> T) ->
 }
 
 /// Brings the bodies of the tables to where the last increment began.
-fn go_back(mut bodies: ResMut<Bodies>, motions: Query<(&BodyId, &LastMotion)>) {
+fn go_back(mut bodies: ResMut<BodyTable>, motions: Query<(&BodyId, &LastMotion)>) {
     if bodies.cell.is_some() {
         return;
     }
@@ -111,15 +113,16 @@ fn go_back(mut bodies: ResMut<Bodies>, motions: Query<(&BodyId, &LastMotion)>) {
     }
 }
 
-/// The contacts whose forces are kept, a program with their normals, and these forces. One with a body that is gone is left out.
+/// The contacts whose forces are kept, a program with their normals, and these forces. One with a
+/// body that is gone is left out.
 fn kept_contacts(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     kept: Res<KeptRows>,
     history: Res<ContactHistory>,
-) -> (Contacts, ConeProgram, ConeSolution) {
+) -> (ContactTable, ConeProgram, ConeSolution) {
     let row = |row: u32| Some(bodies.row(*kept.ids.get(row as usize)?)? as u32);
     let (mut contacts, mut program, mut solution) =
-        (Contacts::default(), ConeProgram::default(), ConeSolution::default());
+        (ContactTable::default(), ConeProgram::default(), ConeSolution::default());
     for memory in &history.0 {
         let (Some(a), Some(b)) = (row(memory.a), row(memory.b)) else { continue };
         let contact = match bodies.walls.iter().find(|wall| wall.body == b) {
@@ -142,8 +145,8 @@ fn read(tables: StressTables, measures: Res<Measures>) -> [Option<f64>; 2] {
 fn read_force(
     In(quantity): In<Quantity>,
     tables: StressTables,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
 ) -> Option<f64> {

@@ -19,10 +19,11 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{ExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::measure::{
-    CrackSums, ForceComponent, MembraneValue, NamedMeasures, Quantity, Readings, StrainPath,
+    CrackSums, ForceComponent, GrainAmount, MembraneValue, NamedMeasures, Quantity, Readings,
+    StrainPath,
 };
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
@@ -110,8 +111,8 @@ pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResM
 /// Tables from which the readings at the end of an increment follow.
 #[derive(SystemParam)]
 pub struct EndTables<'w, 's> {
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
     analysis: Res<'w, Analysis>,
@@ -205,6 +206,28 @@ impl EndTables<'_, '_> {
             Quantity::Poured { mass } => {
                 let poured = self.poured.as_ref().map_or((0.0, 0.0), |p| (p.number as f64, p.mass));
                 Some(if *mass { poured.1 } else { poured.0 })
+            }
+            Quantity::Grains { amount, min, max, moved } => {
+                let mut mass = 0.0;
+                let (mut number, mut counted) = (0.0, 0.0);
+                for (i, of_grain) in
+                    self.bodies.masses.iter().enumerate().take(self.bodies.particles)
+                {
+                    let x = self.bodies.positions[i];
+                    mass += of_grain;
+                    if min.cmple(x).all()
+                        && x.cmple(*max).all()
+                        && (*moved == 0.0 || self.strains.motion(self.bodies.ids[i], x)? >= *moved)
+                    {
+                        number += 1.0;
+                        counted += of_grain;
+                    }
+                }
+                Some(match amount {
+                    GrainAmount::Number => number,
+                    GrainAmount::Mass => counted,
+                    GrainAmount::Share => counted / mass,
+                })
             }
             Quantity::Time => Some(self.observation.time),
         }

@@ -5,9 +5,9 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::body::{BodyId, Position};
+use clastic_components::body::{BodyId, BodyPosition};
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{Measures, Observation, StrainComponent, StrainMeasure};
@@ -21,8 +21,8 @@ use crate::state::StateOf;
 /// Where bodies are, and where the particles were at the start of the reference stage.
 #[derive(SystemParam)]
 pub struct StrainTables<'w, 's> {
-    walls: Query<'w, 's, (&'static Wall, &'static Position)>,
-    particles: Query<'w, 's, (&'static BodyId, &'static Position), With<Particle>>,
+    walls: Query<'w, 's, (&'static Wall, &'static BodyPosition)>,
+    particles: Query<'w, 's, (&'static BodyId, &'static BodyPosition), With<Particle>>,
     membranes: Query<'w, 's, &'static MembraneShape>,
     cell: Option<Res<'w, PeriodicCell>>,
     start: Option<Res<'w, StrainReference>>,
@@ -46,6 +46,14 @@ impl StrainTables<'_, '_> {
             StrainMeasure::CellShear => Some(self.cell.as_ref()?.shear),
             StrainMeasure::Region { .. } => None,
         }
+    }
+
+    /// Displacement of a particle since the start of the reference stage, m: none of a particle
+    /// that was not there, and `None` before this stage.
+    pub(super) fn motion(&self, id: BodyId, now: DVec2) -> Option<f64> {
+        let start = &self.start.as_ref().filter(|start| !start.0.is_empty())?.0;
+        let found = start.binary_search_by_key(&id, |(id, _)| *id);
+        Some(found.map_or(0.0, |k| now.distance(start[k].1)))
     }
 
     /// Centres of the particles in the order of identities, m.
@@ -100,7 +108,7 @@ impl StrainTables<'_, '_> {
 /// Shear strain of the displacement gradient that fits motions of the particles best,
 /// `du_x/dy + du_y/dx`; `None` where they lie in a line.
 #[must_use]
-pub fn shear_of(bodies: &Bodies) -> Option<f64> {
+pub fn shear_of(bodies: &BodyTable) -> Option<f64> {
     let n = bodies.particles;
     let motions =
         bodies.last_motion[..n].iter().map(|u| DVec2::new(u[0], u[1])).collect::<Vec<_>>();

@@ -5,8 +5,8 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::body::{BodyId, ExternalForce, LastMotion, Position};
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::body::{BodyId, BodyPosition, ExternalForce, LastMotion};
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, MeasureLength, StressComponent, StressMeasure};
@@ -18,17 +18,18 @@ use super::groups;
 use super::principal::Principal;
 use crate::control_walls::wall_distance;
 
-type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static Position)>;
+type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static BodyPosition)>;
 
 /// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive.
 /// The branch l goes from centre to centre, and at a wall from the centre to the line of the wall.
-/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. Forces have
-/// the directions of the program, in which they balance, so that the sum is that of any positions.
+/// The stress then equals that of the wall forces, whatever the gap or overlap at the walls. Forces
+/// have the directions of the program, in which they balance, so that the sum is that of any
+/// positions.
 /// `area` is in m^2.
 #[must_use]
 pub fn average_stress(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
     area: f64,
@@ -40,8 +41,8 @@ pub fn average_stress(
 
 /// Sum of f (x) l over all contacts, each with a weight, N m.
 fn moments(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
     weight: impl Fn(&Contact) -> f64,
@@ -69,13 +70,13 @@ pub fn as_it_carried(wall: &Wall, motion: &LastMotion) -> Wall {
 }
 
 /// Length of the branch of a contact, m.
-fn branch(bodies: &Bodies, contact: &Contact) -> f64 {
+fn branch(bodies: &BodyTable, contact: &Contact) -> f64 {
     let (a, b) = (contact.a as usize, contact.b as usize);
     bodies.radii[a] + contact.gap + bodies.radii.get(b).copied().unwrap_or(0.0)
 }
 
 /// Part of the branch of a contact that lies in a rectangle, 0 to 1.
-fn part_inside(bodies: &Bodies, contact: &Contact, min: DVec2, max: DVec2) -> f64 {
+fn part_inside(bodies: &BodyTable, contact: &Contact, min: DVec2, max: DVec2) -> f64 {
     let start = bodies.positions[contact.a as usize];
     let along = contact.normal * branch(bodies, contact);
     let (mut from, mut to) = (0.0_f64, 1.0_f64);
@@ -114,11 +115,11 @@ fn leaning(shape: &MembraneShape, wall: BodyId) -> Option<f64> {
 }
 
 /// Tables of the increment from which stresses follow. Average stresses refer to the geometry at
-/// its start, which [`Bodies`] holds until it is gathered anew.
+/// its start, which [`BodyTable`] holds until it is gathered anew.
 #[derive(SystemParam)]
 pub struct StressTables<'w, 's> {
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
     analysis: Res<'w, Analysis>,
@@ -256,8 +257,8 @@ impl StressTables<'_, '_> {
 /// that contribute to the stress.
 pub fn stress_error(
     In(measure): In<StressMeasure>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     analysis: Res<Analysis>,

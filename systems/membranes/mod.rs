@@ -8,9 +8,9 @@
 //! equilibrium. The sum over a closed chain is zero, and over an open one that of the straight line
 //! from its first point to its last.
 //!
-//! The plugin uses public sets only: [`Loads`], which runs for every trial, so that the chains and
-//! their forces are those of the place from which a halved increment or a step of a followed motion
-//! starts. It is the example of a boundary condition in `ARCHITECTURE.md`.
+//! The plugin uses public sets only: [`AddTrialLoads`], which runs for every trial, so that the
+//! chains and their forces are those of the place from which a halved increment or a step of a
+//! followed motion starts. It is the example of a boundary condition in `ARCHITECTURE.md`.
 
 mod rolling_ball;
 
@@ -19,22 +19,22 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::{Analysis, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::membrane::{Chain, Course, Membrane, MembraneShape, Sides};
 
 use self::rolling_ball::{Line, RollingBall};
-use crate::schedule::Loads;
+use crate::schedule::AddTrialLoads;
 use crate::state::{RegisterState, StateOf};
-use crate::stepping::Halted;
+use crate::stepping::ClasticHalted;
 
 /// Adds [`press`]. The record runs [`renew_shapes`].
 pub struct MembranesPlugin;
 
 impl Plugin for MembranesPlugin {
     fn build(&self, app: &mut App) {
-        app.register_state::<MembraneStates>(MEMBRANES).add_systems(Loads, press);
+        app.register_state::<MembraneStates>(MEMBRANES).add_systems(AddTrialLoads, press);
     }
 }
 
@@ -61,7 +61,7 @@ impl StateOf for MembraneStates {
 /// pressure at its end. A followed motion may go through states in which no chain reaches from wall
 /// to wall. The grains of the last chain then continue to carry the pressure.
 pub fn press(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     progress: Res<Progress>,
     analysis: Res<Analysis>,
     mut membranes: Query<(&Membrane, &mut MembraneShape)>,
@@ -78,7 +78,7 @@ pub fn press(
 }
 
 /// The chains of a shape, at the present places of their bodies.
-fn moved(shape: &MembraneShape, pressure: f64, bodies: &Bodies) -> MembraneShape {
+fn moved(shape: &MembraneShape, pressure: f64, bodies: &BodyTable) -> MembraneShape {
     let mut shape = MembraneShape { pressure, ..shape.clone() };
     for chain in &mut shape.chains {
         for (id, point) in chain.bodies.iter().zip(&mut chain.points) {
@@ -116,14 +116,14 @@ fn add_forces(chain: &Chain, pressure: f64, loads: &mut TrialLoads) {
 /// Finds the chains at the end of an increment, for measures and pictures. A membrane without a
 /// chain halts the run, because its grains are no longer between its walls.
 pub fn renew_shapes(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     mut membranes: Query<(&Membrane, &mut MembraneShape)>,
     mut commands: Commands,
 ) {
     for (membrane, mut shape) in &mut membranes {
         *shape = find_shape(membrane, shape.pressure, &bodies);
         if shape.chains.is_empty() {
-            commands.insert_resource(Halted(format!(
+            commands.insert_resource(ClasticHalted(format!(
                 "membrane `{0}` finds no chain of grains to press on: the specimen does not reach \
                  from one of its walls to the other; end the stage earlier, or remove the membrane \
                  (`remove_membranes: [\"{0}\"]`)",
@@ -135,7 +135,7 @@ pub fn renew_shapes(
 
 /// The chains of a membrane where the bodies are; none if no chain reaches from wall to wall.
 #[must_use]
-pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &Bodies) -> MembraneShape {
+pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &BodyTable) -> MembraneShape {
     let positions = &bodies.positions[..bodies.particles];
     let ball = RollingBall::new(positions, &bodies.radii, membrane.ball);
     let grains = |chain: &[usize]| -> Chain {
@@ -178,7 +178,7 @@ pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &Bodies) -> Membra
     MembraneShape { chains: chains.unwrap_or_default(), height, pressure }
 }
 
-fn wall_line(bodies: &Bodies, wall: BodyId) -> Option<Line> {
+fn wall_line(bodies: &BodyTable, wall: BodyId) -> Option<Line> {
     let row = bodies.row(wall)?;
     let wall = bodies.walls.get(row.checked_sub(bodies.particles)?)?;
     Some(Line { point: bodies.positions[row], inward: wall.inward })

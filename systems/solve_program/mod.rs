@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
@@ -77,7 +77,7 @@ impl StateOf for SolverMemory {
 }
 
 /// Updates the rows of bodies. New bodies have no warm start.
-fn renumber_memory(rows: Res<KeptRows>, bodies: Res<Bodies>, mut solver: ResMut<Solver>) {
+fn renumber_memory(rows: Res<KeptRows>, bodies: Res<BodyTable>, mut solver: ResMut<Solver>) {
     if solver.0.memory().is_empty() {
         return;
     }
@@ -95,7 +95,7 @@ fn tolerance(
     analysis: &Analysis,
     acceptance: &Acceptance,
     attempt: &Attempt,
-    bodies: &Bodies,
+    bodies: &BodyTable,
 ) -> f64 {
     let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
     // Solvers aim at this residual by default.
@@ -126,7 +126,7 @@ pub fn solve_program(
     finding: Res<Sliding>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     mut solver: ResMut<Solver>,
     mut attempt: ResMut<Attempt>,

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
 use clastic_cone::coulomb::{Coulomb, Goal};
@@ -66,8 +66,8 @@ pub fn solve_sliding(
     law: Res<FrictionLaw>,
     acceptance: Res<Acceptance>,
     analysis: Res<Analysis>,
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     associated: Res<Solver>,
     mut solver: ResMut<SlidingSolver>,
     program: Res<ConeProgram>,

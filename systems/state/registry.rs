@@ -8,7 +8,7 @@ use serde::de::DeserializeOwned;
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondId;
 
-use crate::identities::Identities;
+use crate::identities::IdentityTable;
 
 /// Encodes an entry; `None` if the world does not have it.
 type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
@@ -51,22 +51,25 @@ pub trait StateOf: Serialize + DeserializeOwned {
 
     /// Restores the state in a world that contains all bodies and bonds.
     fn put(self, world: &mut World);
+
+    /// Removes the state, where a world goes back to a time without it.
+    fn forget(_world: &mut World) {}
 }
 
 /// An identity that names entities in a state.
 pub trait Identity: Component + Copy + Ord + Serialize + DeserializeOwned {
     /// The entity that has this identity.
-    fn entity(self, identities: &Identities) -> Option<Entity>;
+    fn entity(self, identities: &IdentityTable) -> Option<Entity>;
 }
 
 impl Identity for BodyId {
-    fn entity(self, identities: &Identities) -> Option<Entity> {
+    fn entity(self, identities: &IdentityTable) -> Option<Entity> {
         identities.body(self)
     }
 }
 
 impl Identity for BondId {
-    fn entity(self, identities: &Identities) -> Option<Entity> {
+    fn entity(self, identities: &IdentityTable) -> Option<Entity> {
         identities.bond(self)
     }
 }
@@ -148,7 +151,7 @@ impl RegisterState for App {
                     postcard::from_bytes::<S>(bytes)?.put(world);
                     Ok(())
                 },
-                forget: |_| {},
+                forget: S::forget,
             },
         )
     }
@@ -186,7 +189,7 @@ fn restore_component<I: Identity, T: Component + DeserializeOwned>(
     let ids: Vec<I> = rows.iter().map(|(id, _)| *id).collect();
     keep_components::<I, T>(world, &ids);
     for (id, value) in rows {
-        let known = id.entity(&world.get_resource_or_init::<Identities>());
+        let known = id.entity(&world.get_resource_or_init::<IdentityTable>());
         let entity = known.unwrap_or_else(|| world.spawn(id).id());
         world.entity_mut(entity).insert(value);
     }

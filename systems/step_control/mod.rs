@@ -12,7 +12,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::step_control::{StepControl, Whole};
@@ -46,7 +46,7 @@ impl Plugin for StepControlPlugin {
 /// where there are bonds, the stage chooses it. Exclusive, because it runs attempts.
 pub fn attempt_by_error(world: &mut World) {
     let is_static = world.resource::<Analysis>().kind == AnalysisKind::Static;
-    if !is_static || !world.resource::<Bodies>().bonds.is_empty() {
+    if !is_static || !world.resource::<BodyTable>().bonds.is_empty() {
         return run_attempts(world);
     }
     let mut control = world.resource::<StepControl>().clone();
@@ -107,7 +107,7 @@ fn is_committed(world: &World) -> bool {
 
 /// Sum of f (x) l over the contacts (xx, xy, yx, yy), N m: the mean stress times the volume.
 fn moment(world: &World) -> [f64; 4] {
-    let (bodies, contacts) = (world.resource::<Bodies>(), world.resource::<Contacts>());
+    let (bodies, contacts) = (world.resource::<BodyTable>(), world.resource::<ContactTable>());
     let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
     let [[xx, xy], [yx, yy]] = average_stress(bodies, contacts, program, solution, 1.0, 1.0);
     [xx, xy, yx, yy]
@@ -126,7 +126,7 @@ struct Tried {
 fn try_whole(world: &mut World, fraction: f64) -> Option<Tried> {
     let progress = world.resource::<Progress>().clone();
     let (bodies, draft) =
-        (world.resource::<Bodies>().clone(), world.resource::<DraftHistory>().clone());
+        (world.resource::<BodyTable>().clone(), world.resource::<DraftHistory>().clone());
     attempt(world, fraction);
     let tried = is_committed(world).then(|| {
         let attempt = world.resource::<Attempt>();
@@ -139,7 +139,7 @@ fn try_whole(world: &mut World, fraction: f64) -> Option<Tried> {
         }
     });
     *world.resource_mut::<Progress>() = progress;
-    *world.resource_mut::<Bodies>() = bodies;
+    *world.resource_mut::<BodyTable>() = bodies;
     *world.resource_mut::<DraftHistory>() = draft;
     tried
 }

@@ -1,8 +1,8 @@
 //! Forces and moments of the outside world on bodies.
 
 use bevy_ecs::prelude::*;
-use clastic_components::body::{BodyId, Drive, ExternalForce};
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::body::{BodyDrive, BodyId, ExternalForce};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::rigid_group::{ContactForce, GroupRow};
@@ -12,8 +12,8 @@ use glam::DVec2;
 /// Computes [`ExternalForce`]: the force that the motion requires in addition to contact forces and
 /// gravity.
 pub fn external_forces(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     analysis: Res<Analysis>,
     progress: Res<Progress>,
     loads: Res<TrialLoads>,
@@ -44,7 +44,7 @@ pub fn external_forces(
             external.0 = [0, 1, 2].map(|k| {
                 let (u, resisted) = (solution.displacements[i][k], rows[i][k]);
                 let added = added(i)[k].force - added(i)[k].stiffness * u;
-                let is_free = group.drives[k] == Drive::Free;
+                let is_free = group.drives[k] == BodyDrive::Free;
                 force_on_group(&bodies, &analysis, &progress, group, k, [u, resisted])
                     + if is_free { added } else { 0.0 }
             });
@@ -105,7 +105,7 @@ pub fn external_forces(
 /// its own load, or the reaction to its imposed motion. `moved` are k, its displacement and the
 /// force of the interactions that it resists.
 fn force_on_group(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     progress: &Progress,
     group: &GroupRow,
@@ -113,7 +113,7 @@ fn force_on_group(
     [u, resisted]: [f64; 2],
 ) -> f64 {
     let fraction = progress.fraction;
-    if group.drives[k] == Drive::Free {
+    if group.drives[k] == BodyDrive::Free {
         return group.loads[k].at(fraction);
     }
     let all = bodies.load_on_group(group, fraction, analysis.gravity)[k];

@@ -8,7 +8,7 @@ mod remember_contacts;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::findings::{EventSearch, Restraints, Ruptures};
 use clastic_components::increment::{
     Analysis, AnalysisKind, Avalanche, Progress, RuptureOrder, RuptureRules,
@@ -41,7 +41,7 @@ impl Plugin for UpdateStatePlugin {
 }
 
 /// Marks particles that the attempts found to be [`Swinging`].
-pub fn remember_swinging(bodies: Res<Bodies>, found: Res<Restraints>, mut commands: Commands) {
+pub fn remember_swinging(bodies: Res<BodyTable>, found: Res<Restraints>, mut commands: Commands) {
     for (i, _) in found.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
         commands.entity(bodies.entities[i]).insert(Swinging);
     }

@@ -6,10 +6,10 @@
 use crate::paths::paths;
 use bevy_ecs::prelude::*;
 use clastic_components::body::{
-    AngularVelocity, BodyId, Drive, LastMotion, Position, Rotation, Velocity,
+    BodyAngularVelocity, BodyDrive, BodyId, BodyPosition, BodyRotation, BodyVelocity, LastMotion,
 };
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Impacts, Pushed};
 use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
 use clastic_components::particle::Particle;
@@ -26,8 +26,8 @@ type GroupsOfWorld<'w, 's> = Query<
     (
         &'static BodyId,
         &'static RigidGroup,
-        &'static mut Position,
-        &'static mut Rotation,
+        &'static mut BodyPosition,
+        &'static mut BodyRotation,
         &'static mut LastMotion,
     ),
     (With<RigidGroup>, Without<Particle>, Without<Wall>),
@@ -39,7 +39,7 @@ type WallsOfWorld<'w, 's> = Query<
     's,
     (
         &'static BodyId,
-        &'static mut Position,
+        &'static mut BodyPosition,
         &'static mut LastMotion,
         &'static mut Wall,
         Option<&'static mut WallShape>,
@@ -50,21 +50,21 @@ type WallsOfWorld<'w, 's> = Query<
 
 /// Moves particles, walls and rigid groups and updates velocities.
 pub fn move_bodies(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     analysis: Res<Analysis>,
     acceptance: Res<Acceptance>,
     progress: Res<Progress>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    contacts: Res<Contacts>,
+    contacts: Res<ContactTable>,
     findings: (Res<Pushed>, Res<Impacts>),
     mut particles: Query<
         (
             &BodyId,
-            &mut Position,
-            &mut Rotation,
-            &mut Velocity,
-            &mut AngularVelocity,
+            &mut BodyPosition,
+            &mut BodyRotation,
+            &mut BodyVelocity,
+            &mut BodyAngularVelocity,
             &mut LastMotion,
         ),
         With<Particle>,
@@ -89,22 +89,22 @@ pub fn move_bodies(
         let Some(i) = bodies.row(*id) else { continue };
         let moved = committed.moved(i);
         // A followed motion has moved the table but not the entity.
-        write(x, Position(bodies.positions[i] + DVec2::new(moved[0], moved[1])), place);
-        write(rotation, Rotation(bodies.rotations[i] + moved[2]), |rotation| [rotation.0]);
+        write(x, BodyPosition(bodies.positions[i] + DVec2::new(moved[0], moved[1])), place);
+        write(rotation, BodyRotation(bodies.rotations[i] + moved[2]), |rotation| [rotation.0]);
         write(last, LastMotion(moved), |last| last.0);
         if let Some(step) = step {
             let (velocity, turns) = match bodies.group(i) {
                 Some(group) => committed.velocity_in_group(step, i, group),
                 None => committed.velocity(step, i, v.0, spin.0),
             };
-            write(v, Velocity(velocity), |v| v.0.into());
-            write(spin, AngularVelocity(turns), |spin| [spin.0]);
+            write(v, BodyVelocity(velocity), |v| v.0.into());
+            write(spin, BodyAngularVelocity(turns), |spin| [spin.0]);
         }
     }
     for (id, x, last, mut wall, shape, rotation) in &mut walls {
         let Some(i) = bodies.row(*id) else { continue };
         let moved = committed.moved(i);
-        write(x, Position(bodies.positions[i] + DVec2::new(moved[0], moved[1])), place);
+        write(x, BodyPosition(bodies.positions[i] + DVec2::new(moved[0], moved[1])), place);
         write(last, LastMotion(moved), |last| last.0);
         committed.turn_wall(i, moved[2], &mut wall, shape, rotation);
     }
@@ -113,13 +113,13 @@ pub fn move_bodies(
     }
     for (id, group, x, rotation, last) in &mut groups {
         let Some(i) = bodies.row(*id) else { continue };
-        write(x, Position(bodies.positions[i] + DVec2::new(motion[i][0], motion[i][1])), place);
+        write(x, BodyPosition(bodies.positions[i] + DVec2::new(motion[i][0], motion[i][1])), place);
         // A followed motion has turned the members in the table.
         let first = bodies.groups.iter().find(|row| row.body as usize == i);
         let member = first.and_then(|row| row.members.first());
         if let Some(&member) = member {
             let turned = bodies.rotations[member as usize] + motion[i][2] - group.reference;
-            write(rotation, Rotation(turned), |rotation| [rotation.0]);
+            write(rotation, BodyRotation(turned), |rotation| [rotation.0]);
         }
         write(last, LastMotion(motion[i]), |last| last.0);
     }
@@ -133,7 +133,7 @@ fn write<C, const N: usize>(mut to: Mut<C>, new: C, numbers: fn(&C) -> [f64; N])
     }
 }
 
-fn place(at: &Position) -> [f64; 2] {
+fn place(at: &BodyPosition) -> [f64; 2] {
     at.0.into()
 }
 
@@ -156,7 +156,7 @@ impl Step {
 
 /// The solution that is committed.
 struct Committed<'a> {
-    bodies: &'a Bodies,
+    bodies: &'a BodyTable,
     program: &'a ConeProgram,
     solution: &'a ConeSolution,
     /// Displacements of the bodies, in the axes of the program. They may differ from those of the
@@ -173,7 +173,7 @@ impl Committed<'_> {
     /// Velocity and angular velocity of a particle at the end, from those at the start.
     fn velocity(&self, step: Step, i: usize, v: DVec2, spin: f64) -> (DVec2, f64) {
         let u = self.program.bodies[i].to_global(self.solution.displacements[i]);
-        let imposed = self.bodies.drives[i].map(|drive| drive != Drive::Free);
+        let imposed = self.bodies.drives[i].map(|drive| drive != BodyDrive::Free);
         let end =
             DVec2::new(step.velocity(u[0], v.x, imposed[0]), step.velocity(u[1], v.y, imposed[1]));
         (end, step.velocity(u[2], spin, imposed[2]))
@@ -183,7 +183,7 @@ impl Committed<'_> {
     fn velocity_in_group(&self, step: Step, i: usize, group: &GroupRow) -> (DVec2, f64) {
         let row = group.body as usize;
         let (u, v) = (self.solution.displacements[row], self.bodies.velocities[row]);
-        let is_driven = |k: usize| group.drives[k] != Drive::Free;
+        let is_driven = |k: usize| group.drives[k] != BodyDrive::Free;
         let turns = step.velocity(u[2], self.bodies.angular_velocities[row], is_driven(2));
         let moves = [0, 1].map(|k| step.velocity(u[k], v[k], is_driven(k)));
         // Positions may follow another path than the velocities of the program.

@@ -1,7 +1,7 @@
 //! The forces of contacts with which the next increment starts.
 
 use bevy_ecs::prelude::*;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, DraftHistory};
 use clastic_components::findings::Corrections;
 use clastic_components::increment::Analysis;
@@ -10,10 +10,10 @@ use clastic_cone::residuals::Carrying;
 
 /// Stores the forces of contacts that persist.
 pub fn remember_contacts(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     analysis: Res<Analysis>,
     corrections: Res<Corrections>,
-    contacts: Res<Contacts>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     draft: Res<DraftHistory>,
@@ -28,10 +28,10 @@ pub fn remember_contacts(
 /// `q = q_0 + (q_program - q_0)/theta`; likewise an elastic rolling moment.
 #[must_use]
 pub fn remembered(
-    bodies: &Bodies,
+    bodies: &BodyTable,
     analysis: &Analysis,
     corrections: &Corrections,
-    contacts: &Contacts,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
     before: &ContactHistory,

@@ -9,7 +9,7 @@ use clastic::output::{self, Checkpoint, OutputPlugin, ResumeError, RunOptions, d
 use clastic::run::plugin::StageSystems;
 use clastic::run::{Simulation, StateError, Step};
 use clastic::systems::state::RegisterState;
-use clastic::systems::stepping::{Advance, AdvanceSystems};
+use clastic::systems::stepping::{AdvanceIncrement, AdvanceSystems};
 use serde::{Deserialize, Serialize};
 
 use crate::resumed::{COULOMB, bytes, copy_first, parse};
@@ -117,7 +117,7 @@ struct Temperature(f64);
 fn heat(app: &mut App) {
     app.register_resource::<Temperature>("heat.temperature");
     let warm = |mut temperature: ResMut<Temperature>| temperature.0 += 1.0;
-    app.add_systems(Advance, warm.in_set(AdvanceSystems::End).before(StageSystems::Stop));
+    app.add_systems(AdvanceIncrement, warm.in_set(AdvanceSystems::End).before(StageSystems::Stop));
 }
 
 #[test]

@@ -156,6 +156,37 @@ fn particles_that_are_taken_away() {
     }
 }
 
+/// A packing that jams in a cell, is cemented by its coordination, and loses a grain and its strength.
+pub const CAVITY: &str = r#"(
+    version: 1,
+    title: "Cavity",
+    friction_law: ByAnalysis,
+    materials: { "rock": (density: 2700.0,
+        contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5),
+        bond: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, cohesion: 1.0e6, tensile_strength: 1.0e6)) },
+    specimen: Packing(count: 36, columns: 6, spacing: 2.5e-3, sizes: Uniform(radius: (0.8e-3, 1.2e-3)), seed: 3),
+    cell: (size: (15.0e-3, 15.0e-3)),
+    stages: [
+        Compact(name: "compact", target: Jammed, step: 0.4e-3, agitation: 0.1, seed: 1),
+        Load(name: "press", increments: 4, cell: (xx: Stress(50.0e3), yy: Stress(50.0e3))),
+        Cement(name: "glue", coordination: 4.0),
+        Remove(name: "cavity", select: Index([7])),
+        Load(name: "weaken", increments: 8, scale: (strength: [(0.0, 1.0), (1.0, 0.5)]), stop: [Above("moved", 0.5)]),
+        Load(name: "move", increments: 4, analysis: Dynamic(dt: 1.0e-5), cell: (shear: Strain(1.0e-4)),
+            scale: (strength: [(0.0, 0.5), (4.0e-5, 0.3)])),
+    ],
+    measures: [(name: "moved", of: Grains(amount: Share, moved: 1.0e-4)), (name: "n", of: Porosity(Cell))],
+    reference_stage: "weaken",
+)"#;
+
+#[test]
+fn a_cavity_in_a_jammed_cell_under_factors_on_strength() {
+    for law in EACH_LAW {
+        let records = same_from_anywhere(&parse(&CAVITY.replace("ByAnalysis", law)), |_| true);
+        assert!(records.iter().any(|o| o.stage == "move"), "{law}");
+    }
+}
+
 /// A bonded heap on a plate that turns, beside a polyline that spins, and a drum below; groups whose
 /// force is measured.
 pub const TURNING: &str = r#"(

@@ -11,7 +11,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clastic::components::attempt::IncrementStatus;
-use clastic::components::body::{AngularVelocity, BodyId, Position, Rotation, Velocity};
+use clastic::components::body::{
+    BodyAngularVelocity, BodyId, BodyPosition, BodyRotation, BodyVelocity,
+};
 use clastic::components::observation::{Observation, ProbeReading};
 use clastic::components::particle::Particle;
 use clastic::run::{Outcome, Simulation, Step};
@@ -97,8 +99,14 @@ pub struct State {
 /// States of all particles in the order of identities.
 pub fn states(simulation: &mut Simulation) -> Vec<State> {
     let world = simulation.world_mut();
-    let mut query =
-        world.query::<(&BodyId, &Particle, &Position, &Rotation, &Velocity, &AngularVelocity)>();
+    let mut query = world.query::<(
+        &BodyId,
+        &Particle,
+        &BodyPosition,
+        &BodyRotation,
+        &BodyVelocity,
+        &BodyAngularVelocity,
+    )>();
     let mut rows: Vec<_> = query
         .iter(world)
         .map(|(id, p, x, rotation, v, spin)| {

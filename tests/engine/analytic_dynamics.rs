@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 
 use crate::common::*;
-use clastic::components::contact::Contacts;
+use clastic::components::contact::ContactTable;
 use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::{Analysis, FrictionLaw, Scene, Specimen, WallControl};
@@ -268,7 +268,7 @@ fn stack_rests_and_every_contact_carries_what_stands_on_it() {
     while let Some(record) = next(&mut simulation) {
         let mut carried: Vec<_> = simulation
             .world()
-            .resource::<Contacts>()
+            .resource::<ContactTable>()
             .0
             .iter()
             .zip(&simulation.world().resource::<ConeSolution>().forces)

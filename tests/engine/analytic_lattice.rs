@@ -1,7 +1,7 @@
 //! Elastic constants of a bonded triangular lattice under an affine displacement of its boundary.
 
 use crate::common::*;
-use clastic::components::contact::{Bodies, Contacts};
+use clastic::components::contact::{BodyTable, ContactTable};
 use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::run::Simulation;
 use clastic::scene::format::{Scene, Specimen};
@@ -51,11 +51,11 @@ fn stress(scene: &Scene, columns: u32, gradient: [[f64; 2]; 2]) -> [[f64; 2]; 2]
     }
     let world = simulation.world();
     let per_direction = f64::from(2 * (columns - 1) * (columns - 1));
-    let contacts = world.resource::<Contacts>();
+    let contacts = world.resource::<ContactTable>();
     assert_eq!(contacts.0.len(), 3 * per_direction as usize);
     let cell = 2.0 * 3.0_f64.sqrt() * 25e-6;
     average_stress(
-        world.resource::<Bodies>(),
+        world.resource::<BodyTable>(),
         contacts,
         world.resource::<ConeProgram>(),
         world.resource::<ConeSolution>(),

@@ -2,7 +2,6 @@
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::components::contact::Bodies;
 use clastic::components::contact_history::{ContactHistory, KeptRows};
 use clastic::output::{self, OutputPlugin, RunOptions};
 use clastic::prelude::*;
@@ -64,11 +63,12 @@ fn a_run_into_which_disks_are_poured_and_from_which_one_goes_resumes_to_the_same
     steps(&mut simulation, 150);
     // Walls have the identities 3, 4, 5: the new disk has 6, and its row is before theirs.
     let disk = Particle::disk(0.04, 2650.0, 1.0);
-    let place = body::Position(DVec2::new(0.0, 0.6));
+    let place = BodyPosition(DVec2::new(0.0, 0.6));
     let poured = simulation.world_mut().spawn((disk, place)).id();
     assert_eq!(simulation.world().get::<BodyId>(poured), Some(&BodyId(6)));
     steps(&mut simulation, 100);
-    let ids: Vec<u32> = simulation.world().resource::<Bodies>().ids.iter().map(|id| id.0).collect();
+    let ids: Vec<u32> =
+        simulation.world().resource::<BodyTable>().ids.iter().map(|id| id.0).collect();
     assert_eq!(ids, [0, 1, 2, 6, 3, 4, 5]);
 
     let bottom = particle(&mut simulation, 0);
@@ -105,9 +105,9 @@ fn a_disk_far_away_that_comes_or_goes_changes_no_force() {
         // It falls freely beside the box, and is taken away every other round.
         if round % 2 == 0 {
             let disk = Particle::disk(0.01, 2650.0, 1.0);
-            busy.world_mut().spawn((disk, body::Position(DVec2::new(0.0, 50.0))));
+            busy.world_mut().spawn((disk, BodyPosition(DVec2::new(0.0, 50.0))));
         } else {
-            let id = busy.world().resource::<Bodies>().ids[3].0;
+            let id = busy.world().resource::<BodyTable>().ids[3].0;
             let far = particle(&mut busy, id);
             busy.world_mut().despawn(far);
         }
@@ -119,7 +119,7 @@ fn a_disk_far_away_that_comes_or_goes_changes_no_force() {
 fn a_second_body_of_an_identity_is_refused() {
     let mut simulation = Simulation::new(&box_of_disks().scene, None);
     let disk = Particle::disk(0.04, 2650.0, 1.0);
-    simulation.world_mut().spawn((BodyId(1), disk, body::Position(DVec2::new(0.0, 0.6))));
+    simulation.world_mut().spawn((BodyId(1), disk, BodyPosition(DVec2::new(0.0, 0.6))));
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn a_bond_between_two_walls_is_refused() {
     app.add_plugins(ClasticPlugins::default());
     let wall = Wall { tangent: DVec2::X, half_length: 1.0 };
     let [a, b] =
-        [0.0, 1.0].map(|y| app.world_mut().spawn((wall, body::Position(DVec2::new(0.0, y)))).id());
+        [0.0, 1.0].map(|y| app.world_mut().spawn((wall, BodyPosition(DVec2::new(0.0, y)))).id());
     app.world_mut().spawn(Bond::between(a, b, BondLaw::default()));
 }
 
@@ -179,9 +179,10 @@ fn a_wall_that_comes_after_a_disk_was_poured_has_an_identity_of_its_own() {
     let mut simulation = Simulation::new(&scene, None);
     steps(&mut simulation, 20);
     let disk = Particle::disk(0.04, 2650.0, 1.0);
-    simulation.world_mut().spawn((disk, body::Position(DVec2::new(0.0, 0.6))));
+    simulation.world_mut().spawn((disk, BodyPosition(DVec2::new(0.0, 0.6))));
     assert_eq!(simulation.run(), Outcome::Completed);
-    let ids: Vec<u32> = simulation.world().resource::<Bodies>().ids.iter().map(|id| id.0).collect();
+    let ids: Vec<u32> =
+        simulation.world().resource::<BodyTable>().ids.iter().map(|id| id.0).collect();
     assert_eq!(ids, [0, 1, 2, 6, 3, 5]);
 }
 
@@ -192,15 +193,15 @@ fn tables_lose_the_bonds_that_broke_whatever_their_rows() {
     app.add_plugins(ClasticPlugins::default());
     let world = app.world_mut();
     let disks = [0.0, 2.0, 4.0, 6.0].map(|x| {
-        let place = body::Position(DVec2::new(x, 0.0));
-        world.spawn((Particle::disk(1.0, 2650.0, 1.0), place, Drives::imposed([0.0; 3]))).id()
+        let place = BodyPosition(DVec2::new(x, 0.0));
+        world.spawn((Particle::disk(1.0, 2650.0, 1.0), place, BodyDrives::imposed([0.0; 3]))).id()
     });
     let law = BondLaw { normal_compliance: 1.0e-6, tensile_strength: 1.0, ..Default::default() };
     let bonds = [1, 2].map(|k| world.spawn(Bond::between(disks[k], disks[k + 1], law)).id());
     world.despawn(disks[0]);
     app.update();
     let first = *app.world().get::<BondId>(bonds[0]).unwrap();
-    let mut bodies = app.world_mut().resource_mut::<Bodies>();
+    let mut bodies = app.world_mut().resource_mut::<BodyTable>();
     bodies.break_bonds(&[first]);
     let left: Vec<_> = bodies.bonds.iter().map(|bond| (bond.a, bond.b)).collect();
     assert_eq!(left, [(1, 2)]);
@@ -213,7 +214,7 @@ fn a_wall_under_a_stress_whose_length_is_gone_halts_the_run() {
     app.add_plugins(ClasticPlugins::default());
     let world = app.world_mut();
     let mut wall = |tangent, x, y| {
-        let place = body::Position(DVec2::new(x, y));
+        let place = BodyPosition(DVec2::new(x, y));
         world.spawn((Wall { tangent, half_length: 1.0 }, place)).id()
     };
     let (left, right) = (wall(DVec2::NEG_Y, -1.0, 0.0), wall(DVec2::Y, 1.0, 0.0));
@@ -221,10 +222,10 @@ fn a_wall_under_a_stress_whose_length_is_gone_halts_the_run() {
     wall(DVec2::X, 0.0, -1.0);
     let length = LoadedLength::Between(left, right);
     world.entity_mut(lid).insert(WallControl::Stress { from: 1.0, to: 1.0, length });
-    world.spawn((Particle::disk(1.0, 2650.0, 1.0), body::Position::default()));
+    world.spawn((Particle::disk(1.0, 2650.0, 1.0), BodyPosition::default()));
     app.update();
-    assert!(!app.world().contains_resource::<Halted>());
+    assert!(!app.world().contains_resource::<ClasticHalted>());
     app.world_mut().despawn(right);
     app.update();
-    assert!(app.world().resource::<Halted>().0.contains("a removed wall"));
+    assert!(app.world().resource::<ClasticHalted>().0.contains("a removed wall"));
 }

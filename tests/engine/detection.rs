@@ -1,8 +1,8 @@
 //! No contact is missed: pruning may be wrong about a pair, the attempts that follow are not.
 
 use clastic::components::attempt::{Attempt, IncrementStatus};
-use clastic::components::body::{BodyId, Position};
-use clastic::components::contact::Contacts;
+use clastic::components::body::{BodyId, BodyPosition};
+use clastic::components::contact::ContactTable;
 use clastic::components::findings::AddedPairs;
 use clastic::components::increment::Acceptance;
 use clastic::components::observation::Observation;
@@ -40,12 +40,12 @@ fn flight(disks: &[[f64; 5]], contact: &str, increments: u32) -> Simulation {
 fn step(simulation: &mut Simulation) -> Option<usize> {
     let Step::Increment = simulation.step() else { return None };
     let world = simulation.world_mut();
-    let mut query = world.query::<(&BodyId, &Position, &Particle)>();
+    let mut query = world.query::<(&BodyId, &BodyPosition, &Particle)>();
     let mut disks: Vec<_> = query.iter(world).map(|(id, x, p)| (id.0, x.0, p.radius)).collect();
     disks.sort_by_key(|(id, ..)| *id);
     let increment = world.resource::<Observation>().increment;
     assert_eq!(world.resource::<Attempt>().status, IncrementStatus::Solved, "{increment}");
-    let listed = &world.resource::<Contacts>().0;
+    let listed = &world.resource::<ContactTable>().0;
     assert!(listed.is_sorted_by_key(|c| (c.a, c.b)));
     let mean = disks.iter().map(|(.., r)| r).sum::<f64>() / disks.len() as f64;
     let accepted = world.resource::<Acceptance>().overlap * mean;
@@ -75,7 +75,7 @@ fn a_pair_that_pruning_missed_is_added() {
     assert_eq!((pairs.as_slice(), solves), (&[(1, 2)][..], 2));
     // Without the pair the third would not have moved: the three now fly as one.
     let world = simulation.world_mut();
-    let mut query = world.query::<(&BodyId, &Position)>();
+    let mut query = world.query::<(&BodyId, &BodyPosition)>();
     let mut x: Vec<_> = query.iter(world).map(|(id, x)| (id.0, x.0)).collect();
     x.sort_by_key(|(id, _)| *id);
     for (left, right) in [(0, 1), (1, 2)] {
@@ -90,7 +90,7 @@ fn pairs_that_stay_apart_are_not_carried() {
     let row = [[0.0, 0.0, 5.0, 0.0, 0.0], [11.0, 0.0, 5.0, 0.0, 0.0], [22.0, 0.0, 5.0, 0.0, 0.0]];
     let mut simulation = flight(&row, "", 1);
     assert_eq!(step(&mut simulation), Some(0));
-    assert!(simulation.world().resource::<Contacts>().0.is_empty());
+    assert!(simulation.world().resource::<ContactTable>().0.is_empty());
 }
 
 #[test]

@@ -28,10 +28,10 @@ fn pulled_pair() -> (App, Entity) {
 
     let world = app.world_mut();
     let mut disk = |x, motion| {
-        let held = Drive::Imposed(0.0);
-        let drives = Drives([Drive::Imposed(motion), held, held]);
+        let held = BodyDrive::Imposed(0.0);
+        let drives = BodyDrives([BodyDrive::Imposed(motion), held, held]);
         let disk = Particle::disk(6.0e-3, 2650.0, 1.0);
-        world.spawn((disk, body::Position(DVec2::new(x, 0.0)), drives)).id()
+        world.spawn((disk, BodyPosition(DVec2::new(x, 0.0)), drives)).id()
     };
     let (held, pulled) = (disk(0.0, 0.0), disk(12.0e-3, 1.25e-6));
     world.spawn(Bond::between(held, pulled, bond));
@@ -39,7 +39,6 @@ fn pulled_pair() -> (App, Entity) {
 }
 // [/sample]
 
-use clastic::components::contact::Bodies;
 use clastic::run::spawn::spawn_scene;
 use clastic::run::{ScenePlugin, advance};
 
@@ -87,20 +86,22 @@ fn bond_of(world: &mut World) -> Entity {
 fn a_value_without_meaning_stops_the_app_and_is_named() {
     let cases: [(Spoil, &str); 6] = [
         (
-            |world, disk| spoil(world, disk, |x: &mut body::Position| x.0.y = f64::NAN),
-            "particle 1, ENTITY, has Position y = NaN: give a coordinate in m",
+            |world, disk| spoil(world, disk, |x: &mut BodyPosition| x.0.y = f64::NAN),
+            "particle 1, ENTITY, has BodyPosition y = NaN: give a place in m",
         ),
         (
             |world, disk| spoil(world, disk, |p: &mut Particle| p.radius = -6.0e-3),
-            "particle 1, ENTITY, has radius = -0.006: give a length above 0 in m",
+            "particle 1, ENTITY, has radius = -0.006: give a radius in m greater than 0",
         ),
         (
             |world, disk| spoil(world, disk, |p: &mut Particle| p.mass = f64::INFINITY),
             "particle 1, ENTITY, has mass = inf: give a mass in kg, not below 0",
         ),
         (
-            |world, disk| spoil(world, disk, |d: &mut Drives| d.0[0] = Drive::Imposed(f64::NAN)),
-            "particle 1, ENTITY, has Drives = NaN: give displacements in m and an angle in rad",
+            |world, disk| {
+                spoil(world, disk, |d: &mut BodyDrives| d.0[0] = BodyDrive::Imposed(f64::NAN))
+            },
+            "particle 1, ENTITY, has BodyDrives = NaN: give displacements in m and an angle in rad",
         ),
         (
             |world, _| {
@@ -131,14 +132,17 @@ fn a_value_without_meaning_stops_the_app_and_is_named() {
             app.update();
         }
         let world = app.world_mut();
-        let Some(Halted(reason)) = world.remove_resource::<Halted>() else {
+        let Some(ClasticHalted(reason)) = world.remove_resource::<ClasticHalted>() else {
             panic!("not said: {message}")
         };
-        assert_eq!(reason, format!("{message}, then remove `Halted` and insert `Running::Always`"));
-        assert_eq!(*world.resource::<Running>(), Running::Stopped(StoppedBy::Halted));
+        assert_eq!(
+            reason,
+            format!("{message}, then remove `ClasticHalted` and insert `ClasticRunning::Always`")
+        );
+        assert_eq!(*world.resource::<ClasticRunning>(), ClasticRunning::Stopped(StoppedBy::Halted));
         assert_eq!(world.resource::<Progress>().increment, 1, "{message}");
         mend(world);
-        world.insert_resource(Running::Always);
+        world.insert_resource(ClasticRunning::Always);
         app.update();
         let force = app.world().get::<ExternalForce>(pulled).unwrap().0[0];
         assert!((force - 20.0).abs() < 1e-6, "{message}: {force} N after it");
@@ -149,12 +153,12 @@ fn a_value_without_meaning_stops_the_app_and_is_named() {
 #[test]
 fn a_wall_with_a_negative_compliance_is_named() {
     let (mut app, _) = pulled_pair();
-    let place = body::Position(DVec2::new(0.0, -6.0e-3));
+    let place = BodyPosition(DVec2::new(0.0, -6.0e-3));
     let wall = Wall { tangent: DVec2::X, half_length: 0.05 };
     let law = ContactLaw { normal_compliance: -1.0e-8, ..Default::default() };
     app.world_mut().spawn((wall, place, law, Name::new("anvil")));
     app.update();
-    let reason = &app.world().resource::<Halted>().0;
+    let reason = &app.world().resource::<ClasticHalted>().0;
     assert!(
         reason.starts_with("wall (body 2), `anvil`, has normal_compliance = -1e-8: give"),
         "{reason}"
@@ -193,7 +197,7 @@ fn a_scene_goes_on_without_a_despawned_particle() {
     let first = particles.iter(world).find(|(_, id)| id.0 == 0).map(|(entity, _)| entity).unwrap();
     world.despawn(first);
     assert_eq!(advance(world), Step::Increment);
-    assert_eq!(world.resource::<Bodies>().ids, [BodyId(1)]);
+    assert_eq!(world.resource::<BodyTable>().ids, [BodyId(1)]);
     assert_eq!(advance(world), Step::Finished(Outcome::Completed));
 }
 
@@ -202,7 +206,7 @@ fn a_bond_ends_with_its_wall() {
     let (mut app, _) = pulled_pair();
     let world = app.world_mut();
     let law = world.query::<&Bond>().iter(world).next().unwrap().law;
-    let place = body::Position(DVec2::new(-6.0e-3, 0.0));
+    let place = BodyPosition(DVec2::new(-6.0e-3, 0.0));
     let wall = Wall { tangent: DVec2::NEG_Y, half_length: 0.05 };
     let wall = world.spawn((wall, place, ContactLaw::default())).id();
     let bond = |b| Bond { a: BodyId(0), b: BodyId(b), initial_gap: 0.0, law };

@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::components::contact::Bodies;
 use clastic::prelude::*;
 use glam::DVec2;
 
@@ -24,10 +23,7 @@ impl Sine {
 }
 
 /// For `ControlSystems::Custom`: what the walls do in the increment that follows.
-fn follow_sine(
-    progress: Res<Progress>,
-    mut walls: Query<(&Sine, &body::Position, &mut WallDrive)>,
-) {
+fn follow_sine(progress: Res<Progress>, mut walls: Query<(&Sine, &BodyPosition, &mut WallDrive)>) {
     for (sine, position, mut drive) in &mut walls {
         // A drive is for a whole increment. Where one had to be halved, only `left` of it is still
         // to come; measured from where the wall is, nothing adds up.
@@ -37,16 +33,16 @@ fn follow_sine(
     }
 }
 
-/// A particle on springs (N/m) that pull it back to its `Origin`.
+/// A particle on springs (N/m) that pull it back to its `BodyOrigin`.
 #[derive(Component)]
 struct Foundation(f64);
 
-/// For `Loads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts.
+/// For `AddTrialLoads`: the force `-k (x + u - x_0)`, with x the place from which the trial starts.
 /// Entities still hold the last committed state where an increment is halved or a motion is
-/// followed; `Bodies` holds the trial's.
+/// followed; `BodyTable` holds the trial's.
 fn support(
-    springs: Query<(&BodyId, &Foundation, &body::Origin)>,
-    bodies: Res<Bodies>,
+    springs: Query<(&BodyId, &Foundation, &BodyOrigin)>,
+    bodies: Res<BodyTable>,
     mut loads: ResMut<TrialLoads>,
 ) {
     for (id, spring, origin) in &springs {
@@ -61,14 +57,14 @@ fn support(
 /// A plugin, added after those of the engine.
 fn custom_boundaries(app: &mut App) {
     app.add_systems(ControlWalls, follow_sine.in_set(ControlSystems::Custom));
-    app.add_systems(Loads, support);
+    app.add_systems(AddTrialLoads, support);
 }
 // [/sample]
 
 use std::path::Path;
 
 use bevy_app::PluginGroup;
-use clastic::components::contact::Contacts;
+use clastic::cone::program::{Interaction, Limits};
 use clastic::output::{self, Ending, OutputPlugin, RunOptions};
 use clastic::run::spawn::spawn_scene;
 use clastic::run::{ScenePlugin, advance};
@@ -89,12 +85,12 @@ fn app() -> App {
 
 fn disk(y: f64) -> impl Bundle {
     let place = DVec2::new(0.0, y);
-    (BodyId(0), Particle::disk(RADIUS, 2650.0, 1.0), body::Position(place), body::Origin(place))
+    (BodyId(0), Particle::disk(RADIUS, 2650.0, 1.0), BodyPosition(place), BodyOrigin(place))
 }
 
 fn wall(id: u32, tangent: DVec2, y: f64) -> impl Bundle {
     let law = ContactLaw { normal_compliance: 1.0 / STIFFNESS, ..Default::default() };
-    let place = body::Position(DVec2::new(0.0, y));
+    let place = BodyPosition(DVec2::new(0.0, y));
     (BodyId(id), Wall { tangent, half_length: 0.05 }, place, law)
 }
 
@@ -112,7 +108,7 @@ fn a_wall_follows_a_sine_and_squeezes_a_disk() {
         assert_eq!(status, "solved", "increment {n}");
         let sine = world.get::<Sine>(lid).unwrap();
         let (sought, squeezed) = (sine.height(f64::from(n)), sine.rest - sine.height(f64::from(n)));
-        let height = world.get::<body::Position>(lid).unwrap().0.y;
+        let height = world.get::<BodyPosition>(lid).unwrap().0.y;
         assert!((height - sought).abs() < 1e-16, "increment {n}: {height} for {sought}");
         // Two equal springs in series under the lid, none above it; positive pushes downwards.
         let force = -world.get::<ExternalForce>(lid).unwrap().0[1];
@@ -136,7 +132,7 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Progress>().done, done);
     }
-    let height = world.get::<body::Position>(lid).unwrap().0.y;
+    let height = world.get::<BodyPosition>(lid).unwrap().0.y;
     assert!((height - sought).abs() < 1e-16, "{height} for {sought}");
 }
 
@@ -150,13 +146,89 @@ fn extra_rows_hold_a_disk_on_springs() {
     let disk = world.spawn((disk(0.0), Foundation(1.0e6), load)).id();
     for n in 1..=24 {
         world.run_schedule(Increment);
-        let y = world.get::<body::Position>(disk).unwrap().0.y;
+        let y = world.get::<BodyPosition>(disk).unwrap().0.y;
         let expected = -1.0e-6 * f64::from(n);
         assert!(
             (y - expected).abs() < 1e-7 * expected.abs(),
             "increment {n}: {y} m for {expected} m"
         );
     }
+}
+
+/// A parameter of the contact law in three steps: a component with it, a system that writes it into
+/// the interactions, and the line that adds this system.
+#[derive(Component)]
+struct Wet(f64);
+
+fn lubricate(
+    wet: Query<(&BodyId, &Wet)>,
+    (bodies, contacts): (Res<BodyTable>, Res<ContactTable>),
+    mut program: ResMut<ConeProgram>,
+) {
+    for (contact, c) in contacts.0.iter().zip(&mut program.interactions) {
+        for (id, wet) in &wet {
+            if contact.bond.is_none() && bodies.ids[contact.a as usize] == *id {
+                c.limits.friction *= wet.0;
+            }
+        }
+    }
+}
+
+/// A disk that does not turn is pushed along a floor: the floor resists by mu m g, mu halved by
+/// water.
+#[test]
+fn a_parameter_of_the_contact_law_of_a_plugin_changes_the_friction() {
+    let mut app = app();
+    app.add_systems(AttemptIncrement, lubricate.in_set(AttemptSystems::AssembleExtra));
+    app.world_mut().resource_mut::<Analysis>().gravity = DVec2::new(0.0, -9.81);
+    let law = ContactLaw {
+        normal_compliance: 1.0 / STIFFNESS,
+        tangential_compliance: 1.0 / STIFFNESS,
+        friction: 0.5,
+        ..Default::default()
+    };
+    let world = app.world_mut();
+    world.spawn((Wall::between(DVec2::new(-1.0, 0.0), DVec2::new(1.0, 0.0)), law));
+    let push = BodyDrives([BodyDrive::Imposed(1.0e-4), BodyDrive::Free, BodyDrive::Imposed(0.0)]);
+    let wet = world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), push, Wet(0.5))).id();
+    world.entity_mut(wet).insert(BodyPosition(DVec2::new(0.0, RADIUS)));
+    let dry = world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), push)).id();
+    world.entity_mut(dry).insert(BodyPosition(DVec2::new(0.1, RADIUS)));
+    for _ in 0..3 {
+        world.run_schedule(Increment);
+        assert_eq!(world.resource::<Observation>().status.name(), "solved");
+    }
+    let weight = world.get::<Particle>(wet).unwrap().mass * 9.81;
+    for (disk, friction) in [(wet, 0.25), (dry, 0.5)] {
+        let push = world.get::<ExternalForce>(disk).unwrap().0[0];
+        assert!((push - friction * weight).abs() < 1e-6 * weight, "{push} N with {friction}");
+    }
+}
+
+/// Rows that a plugin appends free the degrees of freedom on which they act.
+#[test]
+fn appended_interactions_free_their_bodies() {
+    fn glue(mut program: ResMut<ConeProgram>) {
+        let glue = Interaction {
+            normal: DVec2::Y,
+            normal_compliance: 1.0e-6,
+            limits: Limits { tension: 1.0e6, ..Limits::default() },
+            ..Interaction::between(0, 1)
+        };
+        program.interactions.push(glue);
+    }
+    let mut app = app();
+    app.add_systems(AttemptIncrement, glue.in_set(AttemptSystems::AssembleExtra));
+    let world = app.world_mut();
+    let free = world.spawn(disk(0.0)).id();
+    let lift = BodyDrives::imposed([0.0, 1.0e-6, 0.0]);
+    let place = BodyPosition(DVec2::new(0.0, 1.0));
+    world.spawn((Particle::disk(RADIUS, 2650.0, 1.0), place, lift));
+    world.run_schedule(Increment);
+    assert_eq!(world.resource::<Observation>().status.name(), "solved");
+    // Nothing else acts on it: it follows the other disk without force.
+    let y = world.get::<BodyPosition>(free).unwrap().0.y;
+    assert!((y - 1.0e-6).abs() < 1e-12, "{y} m");
 }
 
 #[test]
@@ -171,15 +243,15 @@ fn loads_of_several_systems_add_up_in_any_order() {
         let mut app = app();
         // Neither states an order, and the schedule accepts both.
         if reversed {
-            app.add_systems(Loads, (pull, push));
+            app.add_systems(AddTrialLoads, (pull, push));
         } else {
-            app.add_systems(Loads, (push, pull));
+            app.add_systems(AddTrialLoads, (push, pull));
         }
         let world = app.world_mut();
         let disk = world.spawn((disk(0.0), Foundation(1.0e9))).id();
         world.run_schedule(Increment);
         assert_eq!(world.resource::<Observation>().status.name(), "solved");
-        world.get::<body::Position>(disk).unwrap().0
+        world.get::<BodyPosition>(disk).unwrap().0
     };
     let found = place(false);
     assert!((found - DVec2::new(-0.2e-9, 0.07)).length() < 1e-12, "{found}");
@@ -225,7 +297,7 @@ fn the_sample_of_the_architecture_page_is_this_one() {
 
 /// A rule of rupture that replaces that of the engine: bonds break at a tension of 10 N.
 fn break_at_10_newtons(
-    (contacts, bodies): (Res<Contacts>, Res<Bodies>),
+    (contacts, bodies): (Res<ContactTable>, Res<BodyTable>),
     solution: Res<ConeSolution>,
     progress: Res<Progress>,
     mut bonds: Query<&mut BondState>,

@@ -76,7 +76,7 @@ fn porosity(simulation: &mut Simulation) -> f64 {
     let mut radii: Vec<_> = disks.iter(world).map(|(id, p)| (*id, p.radius)).collect();
     radii.sort_unstable_by_key(|(id, _)| *id);
     let area: f64 = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
-    let mut walls = world.query::<(&WallName, &body::Position)>();
+    let mut walls = world.query::<(&WallName, &BodyPosition)>();
     let mut place = |name: &str| walls.iter(world).find(|(n, _)| n.0 == name).unwrap().1.0;
     let height = place("top").y - place("bottom").y;
     let width = place("right").x - place("left").x;
@@ -167,7 +167,7 @@ fn leave_to_loads(mut lids: Query<(&WallControl, &mut WallDrive), With<Lid>>) {
     }
 }
 
-/// For `Loads`: the load grows over the stage.
+/// For `AddTrialLoads`: the load grows over the stage.
 fn press(
     lids: Query<(&BodyId, &WallControl, &Lid)>,
     progress: Res<Progress>,
@@ -195,7 +195,7 @@ fn loads_of_a_program_act_within_a_followed_motion() {
             let lid = walls.iter(simulation.world()).find(|(_, name)| name.0 == "top").unwrap().0;
             simulation.world_mut().entity_mut(lid).insert(Lid { force });
             let app = simulation.app_mut();
-            app.add_systems(Loads, press);
+            app.add_systems(AddTrialLoads, press);
             app.add_systems(ControlWalls, leave_to_loads.in_set(ControlSystems::Custom));
         }
         let mut moved = 0;

@@ -23,8 +23,8 @@ fn falling() -> App {
     app
 }
 
-fn disk(x: f64) -> (Particle, body::Position) {
-    (Particle::disk(0.1, 2650.0, 1.0), body::Position(DVec2::new(x, 0.0)))
+fn disk(x: f64) -> (Particle, BodyPosition) {
+    (Particle::disk(0.1, 2650.0, 1.0), BodyPosition(DVec2::new(x, 0.0)))
 }
 
 fn increments(app: &App) -> u64 {
@@ -70,7 +70,6 @@ fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_fram
     let dt = 1.0e-3;
     let mut app = App::new();
     app.add_plugins((TimePlugin, ClasticPlugins::new(FixedUpdate))).init_resource::<Heard>();
-    app.insert_resource(Time::<Fixed>::from_seconds(dt));
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(8)));
     let kind = AnalysisKind::Dynamic { dt, theta: 1.0 };
     app.insert_resource(Analysis { kind, ..Analysis::default() });
@@ -80,7 +79,7 @@ fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_fram
     let read = |mut ruptures: MessageReader<Rupture>, mut heard: ResMut<Heard>| {
         heard.in_update += ruptures.read().count();
     };
-    app.add_systems(FixedUpdate, read_fixed.after(Stepping)).add_systems(Update, read);
+    app.add_systems(FixedUpdate, read_fixed.after(ClasticStepping)).add_systems(Update, read);
     app.add_observer(|broken: On<BondBroken>, mut heard: ResMut<Heard>| {
         assert!(broken.rupture.p < 0.0);
         heard.observed.push((broken.bond, broken.bodies, broken.rupture.mode));
@@ -91,17 +90,18 @@ fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_fram
         let tensile_strength = 1.0e3 * (k + 1) as f64;
         let law = BondLaw { normal_compliance: 1.0e-7, tensile_strength, ..Default::default() };
         let disk = |x| {
-            let place = body::Position(DVec2::new(x, 0.1 * k as f64));
+            let place = BodyPosition(DVec2::new(x, 0.1 * k as f64));
             (Particle::disk(6.0e-3, 2650.0, 1.0), place)
         };
-        let a = world.spawn((disk(0.0), Drives::imposed([0.0; 3]))).id();
-        let b = world.spawn((disk(12.0e-3), Drives::imposed([1.5e-6, 0.0, 0.0]))).id();
+        let a = world.spawn((disk(0.0), BodyDrives::imposed([0.0; 3]))).id();
+        let b = world.spawn((disk(12.0e-3), BodyDrives::imposed([1.5e-6, 0.0, 0.0]))).id();
         bonds.push((world.spawn(Bond::between(a, b, law)).id(), [a, b], RuptureMode::Tension));
     }
     for _ in 0..10 {
         app.update();
     }
     let heard = app.world().resource::<Heard>();
+    assert_eq!(app.world().resource::<Time<Fixed>>().timestep(), Duration::from_millis(1));
     assert!(increments(&app) > 60, "{}", increments(&app));
     assert_eq!((heard.in_update, heard.in_fixed), (PAIRS, PAIRS));
     let mut observed = heard.observed.clone();
@@ -126,7 +126,7 @@ fn short_scene() -> (App, LoadedScene) {
 }
 
 #[derive(Resource, Default)]
-struct Ends(Vec<String>, Vec<Stopped>);
+struct Ends(Vec<String>, Vec<ClasticStopped>);
 
 /// It went on for ever without an increment, and no message said so.
 #[test]
@@ -134,17 +134,20 @@ fn the_end_of_a_scene_and_of_its_stages_is_told() {
     let (mut app, _) = short_scene();
     app.init_resource::<Ends>();
     let read = |mut ends: MessageReader<StageEnd>,
-                mut stops: MessageReader<Stopped>,
+                mut stops: MessageReader<ClasticStopped>,
                 mut to: ResMut<Ends>| {
         to.0.extend(ends.read().map(|end| end.stage.clone()));
         to.1.extend(stops.read().cloned());
     };
-    app.add_systems(Update, read.after(Stepping));
+    app.add_systems(Update, read.after(ClasticStepping));
     app.add_observer(|end: On<StageEnd>| assert_eq!(end.ended_by, Some(EndedBy::AllIncrements)));
     for _ in 0..5 {
         app.update();
     }
-    assert_eq!(*app.world().resource::<Running>(), Running::Stopped(StoppedBy::Completed));
+    assert_eq!(
+        *app.world().resource::<ClasticRunning>(),
+        ClasticRunning::Stopped(StoppedBy::Completed)
+    );
     let Ends(stages, stops) = app.world().resource();
     assert_eq!(stages, &["rest", "and rest"]);
     assert_eq!(stops.len(), 1, "{stops:?}");
@@ -155,10 +158,18 @@ fn the_end_of_a_scene_and_of_its_stages_is_told() {
 fn refusal(app: &mut App) -> String {
     app.update();
     let world = app.world();
-    let running = *world.resource::<Running>();
-    assert_eq!(running, Running::Stopped(StoppedBy::Halted), "{:?}", world.resource::<Attempt>());
-    let Halted(reason) = world.resource();
-    assert!(reason.ends_with("then remove `Halted` and insert `Running::Always`"), "{reason}");
+    let running = *world.resource::<ClasticRunning>();
+    assert_eq!(
+        running,
+        ClasticRunning::Stopped(StoppedBy::Halted),
+        "{:?}",
+        world.resource::<Attempt>()
+    );
+    let ClasticHalted(reason) = world.resource();
+    assert!(
+        reason.ends_with("then remove `ClasticHalted` and insert `ClasticRunning::Always`"),
+        "{reason}"
+    );
     reason.clone()
 }
 
@@ -201,8 +212,8 @@ fn an_analysis_without_a_meaning_is_refused_by_name() {
         let world = app.world_mut();
         assert_eq!(world.resource::<Progress>(), &Progress::default());
         world.insert_resource(dynamic(1.0e-3, 1.0));
-        world.remove_resource::<Halted>();
-        world.insert_resource(Running::Always);
+        world.remove_resource::<ClasticHalted>();
+        world.insert_resource(ClasticRunning::Always);
         app.update();
         assert_eq!(increments(&app), 1);
     }
@@ -211,7 +222,7 @@ fn an_analysis_without_a_meaning_is_refused_by_name() {
 /// Two disks; the left one is held.
 fn two_disks(app: &mut App) -> [Entity; 2] {
     let world = app.world_mut();
-    let held = world.spawn((disk(0.0), Drives::imposed([0.0; 3]))).id();
+    let held = world.spawn((disk(0.0), BodyDrives::imposed([0.0; 3]))).id();
     [held, world.spawn(disk(0.2)).id()]
 }
 
@@ -230,8 +241,8 @@ fn a_second_bond_of_a_pair_is_refused() {
     assert!(reason.starts_with(expected), "{reason}");
     let world = app.world_mut();
     world.despawn(second);
-    world.remove_resource::<Halted>();
-    world.insert_resource(Running::Always);
+    world.remove_resource::<ClasticHalted>();
+    world.insert_resource(ClasticRunning::Always);
     app.update();
     assert_eq!(increments(&app), 2);
 }
@@ -252,11 +263,11 @@ fn a_clone_of_a_body_is_another_body() {
     let original = app.world_mut().spawn(disk(0.0)).id();
     let clone = app.world_mut().entity_mut(original).clone_and_spawn();
     app.world_mut().flush();
-    app.world_mut().entity_mut(clone).insert(body::Position(DVec2::new(9.0, 0.0)));
+    app.world_mut().entity_mut(clone).insert(BodyPosition(DVec2::new(9.0, 0.0)));
     app.update();
     let world = app.world();
     assert_eq!(world.get::<BodyId>(clone), Some(&BodyId(1)));
-    let velocity = |body| world.get::<Velocity>(body).map(|v| v.0);
+    let velocity = |body| world.get::<BodyVelocity>(body).map(|v| v.0);
     assert!(velocity(clone) == velocity(original) && velocity(clone) != Some(DVec2::ZERO));
 }
 
@@ -265,28 +276,34 @@ fn a_clone_of_a_body_is_another_body() {
 fn an_input_without_an_effect_is_refused_by_name() {
     type Fill = fn(&mut App, [Entity; 2]);
     fn loads(app: &mut App, add: fn(ResMut<TrialLoads>)) {
-        app.add_systems(Loads, add);
+        app.add_systems(AddTrialLoads, add);
     }
     fn wall(app: &mut App, of: impl Bundle) {
         let wall = Wall::between(DVec2::new(-1.0, -0.3), DVec2::new(1.0, -0.3));
         app.world_mut().spawn((wall, WallName("floor".to_owned()), of));
     }
-    let cases: [(Fill, &str); 13] = [
+    let cases: [(Fill, &str); 14] = [
+        (
+            |app, [_, b]| {
+                app.world_mut().entity_mut(b).insert(Particle::disk(0.1, 2650.0, 0.5));
+            },
+            "particle 1, ENTITY, has thickness = 0.5: give that of `Analysis`, 1.0 m, or set that one",
+        ),
         (
             |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 7, 1.0, 1.0e3)),
-            "a load of `Loads` on particle 1, ENTITY, has degree of freedom = 7: give 0, 1 or 2",
+            "a load of `AddTrialLoads` on particle 1, ENTITY, has degree of freedom = 7: give 0, 1 or 2",
         ),
         (
             |app, _| loads(app, |mut l| l.add(BodyId(77), [1.0; 3])),
-            "a load of `Loads` has body = BodyId(77): give the identity of a body",
+            "a load of `AddTrialLoads` has body = BodyId(77): give the identity of a body",
         ),
         (
             |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 0, 1.0, -1.0e3)),
-            "a load of `Loads` on particle 1, ENTITY, has stiffness = -1000.0: give N/m",
+            "a load of `AddTrialLoads` on particle 1, ENTITY, has stiffness = -1000.0: give N/m",
         ),
         (
             |app, _| loads(app, |mut l| l.add(BodyId(1), [f64::NAN; 3])),
-            "a load of `Loads` on particle 1, ENTITY, has force = NaN: give a force in N",
+            "a load of `AddTrialLoads` on particle 1, ENTITY, has force = NaN: give a force in N",
         ),
         (
             |app, _| wall(app, WallControl::Velocity(DVec2::Y)),
@@ -301,8 +318,8 @@ fn an_input_without_an_effect_is_refused_by_name() {
             "wall (body 2), `floor`, has WallSlide = Displacement(1e-6): give a control by `Force`",
         ),
         (
-            |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<Velocity>(),
-            "ENTITY has Velocity = \"missing\": give one",
+            |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<BodyVelocity>(),
+            "ENTITY has BodyVelocity = \"missing\": give one",
         ),
         (
             |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<LoadControl>(),
@@ -362,10 +379,10 @@ fn changed_finds_the_bodies_that_move_and_no_others() {
     let [_, free] = two_disks(&mut app);
     app.world_mut().spawn(Wall::between(DVec2::new(1.0, -9.0), DVec2::new(-1.0, -9.0)));
     app.init_resource::<Moved>();
-    let watch = |changed: Query<Entity, Changed<body::Position>>, mut moved: ResMut<Moved>| {
+    let watch = |changed: Query<Entity, Changed<BodyPosition>>, mut moved: ResMut<Moved>| {
         moved.0 = changed.iter().collect();
     };
-    app.add_systems(Update, watch.after(Stepping));
+    app.add_systems(Update, watch.after(ClasticStepping));
     app.update();
     for _ in 0..3 {
         app.update();
@@ -391,18 +408,26 @@ fn an_app_that_asks_is_told_of_every_collision_once() {
     app.add_systems(Update, |mut read: MessageReader<Collision>, mut hits: ResMut<Hits>| {
         hits.0.extend(read.read().copied());
     });
-    app.add_observer(|hit: On<Collision>, mut hits: ResMut<Hits>| hits.1.push(*hit.event()));
+    app.add_observer(|hit: On<BodyHit>, mut hits: ResMut<Hits>| hits.1.push(*hit.event()));
+    let hear = |hit: On<BodyHit>, mut hits: ResMut<Hits>| hits.2.push(hit.other);
+    app.world_mut().entity_mut(floor).observe(hear);
     for _ in 0..60 {
         app.update();
     }
-    let Hits(read, observed) = app.world().resource();
-    assert_eq!(read, observed);
+    let Hits(read, observed, by_floor) = app.world().resource();
+    let both = read.iter().flat_map(|hit| {
+        let [body, other] = hit.bodies;
+        [(body, other), (other, body)].map(|(body, other)| BodyHit { body, other, collision: *hit })
+    });
+    assert_eq!(observed, &both.collect::<Vec<_>>());
+    assert_eq!(by_floor, &[ball]);
     // It falls 10 mm in 45 ms, and rebounds hardly with theta = 1.
     let [first] = read.as_slice() else { panic!("{read:?}") };
     assert_eq!((first.bodies, first.normal), ([ball, floor], DVec2::NEG_Y));
     assert!((44..=47).contains(&first.increment) && first.force > 0.0, "{first:?}");
 }
 
-/// The collisions of messages and those of the observer.
+/// The collisions of messages, those of an observer of all bodies, and the bodies that the observer
+/// of the floor was told of.
 #[derive(Resource, Default)]
-struct Hits(Vec<Collision>, Vec<Collision>);
+struct Hits(Vec<Collision>, Vec<BodyHit>, Vec<Entity>);

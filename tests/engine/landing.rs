@@ -45,8 +45,9 @@ fn of_stage<'a>(records: &'a [Observation], stage: &str) -> Vec<&'a Observation>
     records.iter().filter(|record| record.stage == stage).collect()
 }
 
-/// Two springs of 1e7 N/m in a row: 33 kPa on 0.02 m are 660 N and 132 um. The platen leaves the disk
-/// where the stress comes to zero, and the stage ends there and not where its increment would end.
+/// Two springs of 1e7 N/m in a row: 33 kPa on 0.02 m are 660 N and 132 um. The platen leaves the
+/// disk where the stress comes to zero, and the stage ends there and not where its increment would
+/// end.
 #[test]
 fn a_column_lands_where_the_springs_say_and_shortens_one_increment() {
     for law in ["Associated", "Coulomb()"] {
@@ -246,17 +247,17 @@ fn an_app_that_is_halted_within_the_search_goes_on_with_the_length_of_before() {
         let disk =
             app.world_mut().query_filtered::<Entity, With<Particle>>().single(app.world()).unwrap();
         let before = app.world().resource::<Progress>().increment;
-        let place = *app.world().get::<body::Position>(disk).unwrap();
-        app.world_mut().get_mut::<body::Position>(disk).unwrap().0.y = f64::NAN;
+        let place = *app.world().get::<BodyPosition>(disk).unwrap();
+        app.world_mut().get_mut::<BodyPosition>(disk).unwrap().0.y = f64::NAN;
         app.update();
-        let running = *app.world().resource::<Running>();
-        assert_eq!(running, Running::Stopped(StoppedBy::Halted));
+        let running = *app.world().resource::<ClasticRunning>();
+        assert_eq!(running, ClasticRunning::Stopped(StoppedBy::Halted));
         let now = app.world().resource::<Progress>();
         // The increments before were whole, and a stage begins with a whole one.
         assert_eq!((now.increment, now.tried), (before, 1.0));
-        *app.world_mut().get_mut::<body::Position>(disk).unwrap() = place;
-        app.world_mut().remove_resource::<Halted>();
-        app.insert_resource(Running::Always);
+        *app.world_mut().get_mut::<BodyPosition>(disk).unwrap() = place;
+        app.world_mut().remove_resource::<ClasticHalted>();
+        app.insert_resource(ClasticRunning::Always);
     }
     /// Fractions and stresses of a run that is halted after this number of increments, and its last
     /// state.

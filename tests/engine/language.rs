@@ -325,6 +325,26 @@ fn a_value_with_a_name_is_set_once() {
 }
 
 #[test]
+fn expressions_stand_for_numbers() {
+    let text =
+        ROW.replace("\"down\": 1.0e-4", "\"gap\": 1.0, \"down\": gap / 1e4, \"turns\": 2 + 1");
+    let text =
+        text.replace("normal_stiffness: k)", "normal_stiffness: 2 * k, friction: tan(pi / 6))");
+    let text = text.replace("increments: 10,", "increments: turns * 2,");
+    let loaded = read(&text, &["thickness=sqrt(0.25) * 3", "let.k=4.0e6 / 4"]);
+    let contact = &loaded.scene.materials["m"].contact;
+    assert_eq!(contact.normal_stiffness, Some(2.0e6));
+    assert!((contact.friction - 1.0 / 3.0_f64.sqrt()).abs() < 1e-15);
+    assert_eq!(loaded.scene.thickness, 1.5);
+    let clastic::scene::format::Stage::Load(stage) = &loaded.scene.stages[0] else { panic!() };
+    assert_eq!(stage.increments, 6);
+    let down = clastic::scene::format::WallControl::Displacement(0.0, -1.0e-4);
+    assert_eq!(stage.walls["lid"], down);
+    // The stored scene keeps the expressions.
+    assert!(loaded.text.contains("normal_stiffness: 2 * k") && loaded.text.contains("4.0e6 / 4"));
+}
+
+#[test]
 fn a_mistake_in_a_value_is_placed_where_its_name_stands() {
     let sets = ["let.k=-1.0".to_owned()];
     let error = from_str(ROW, Path::new("s.ron"), Path::new(""), &sets).unwrap_err().to_string();
@@ -460,7 +480,7 @@ fn isotropic_compression_balances_solid_fraction_and_energy() {
 
 /// Sum of the squared radii, m^2.
 fn disks(simulation: &Simulation) -> f64 {
-    let bodies = simulation.world().resource::<clastic::components::contact::Bodies>();
+    let bodies = simulation.world().resource::<clastic::components::contact::BodyTable>();
     bodies.radii.iter().map(|r| r * r).sum()
 }
 

@@ -5,7 +5,7 @@
 use std::path::Path;
 
 use clastic::components::attempt::IncrementStatus;
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::components::observation::Observation;
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::program::{ConeProgram, ConeSolution};
@@ -163,7 +163,7 @@ fn collapse_of_a_heap_is_proved_however_large() {
         assert!(again.is_some_and(|c| c.margin > 0.9), "{n}: {found:?}");
         // The reason names the body that moves most. Walls stand still, and no body has gone.
         let far = |i: &usize| found.mechanism[*i][0].hypot(found.mechanism[*i][1]);
-        let particles = 0..simulation.world().resource::<Bodies>().particles;
+        let particles = 0..simulation.world().resource::<BodyTable>().particles;
         let most = particles.max_by(|a, b| far(a).total_cmp(&far(b))).unwrap();
         let named = format!("a mechanism proves it, in which particle {most} near (");
         assert!(collapse.reason.contains(&named), "{n}: {named} and not {}", collapse.reason);

@@ -3,7 +3,6 @@
 
 use bevy_ecs::prelude::*;
 use clastic::components::attempt::Attempt;
-use clastic::components::contact::{Bodies, Contacts};
 use clastic::components::contact_history::ContactHistory;
 use clastic::components::findings::AddedPairs;
 use clastic::cone::program::{ConeProgram, ConeSolution};
@@ -25,8 +24,8 @@ struct Throws {
 
 /// After the judges: neither such a solution nor the beginning of a motion leaves more pairs.
 fn watch_throws(
-    bodies: Res<Bodies>,
-    contacts: Res<Contacts>,
+    bodies: Res<BodyTable>,
+    contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     pairs: Res<AddedPairs>,

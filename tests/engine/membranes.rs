@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use clastic::components::attempt::Attempt;
-use clastic::components::contact::{Bodies, Contacts};
 use clastic::prelude::*;
 use clastic::run::Outcome;
 use clastic::systems::measures::stress::average_stress;
@@ -45,7 +44,7 @@ fn app(total: f64, friction: f64) -> App {
 }
 
 fn disk(x: DVec2) -> impl Bundle {
-    (Particle::disk(RADIUS, 2650.0, THICKNESS), body::Position(x), body::Origin(x))
+    (Particle::disk(RADIUS, 2650.0, THICKNESS), BodyPosition(x), BodyOrigin(x))
 }
 
 fn membrane(course: Course) -> Membrane {
@@ -66,13 +65,13 @@ fn shape(world: &mut World) -> MembraneShape {
 
 /// Sum of the forces that the membranes add to all bodies, N.
 fn resultant(world: &World) -> DVec2 {
-    let bodies = world.resource::<Bodies>();
+    let bodies = world.resource::<BodyTable>();
     let sums = world.resource::<TrialLoads>().sums(bodies);
     sums.iter().map(|sum| DVec2::new(sum[0].force, sum[1].force)).sum()
 }
 
 fn mean_stress(world: &World, area: f64) -> [[f64; 2]; 2] {
-    let (bodies, contacts) = (world.resource::<Bodies>(), world.resource::<Contacts>());
+    let (bodies, contacts) = (world.resource::<BodyTable>(), world.resource::<ContactTable>());
     average_stress(bodies, contacts, world.resource(), world.resource(), area, THICKNESS)
 }
 
@@ -96,7 +95,7 @@ fn a_closed_membrane_brings_its_pressure_and_no_force() {
     let centre = grains[8 * 15 + 7];
     for x in grains.into_iter().filter(|x| x.distance(centre) < 11.5 * RADIUS) {
         if x == centre {
-            world.spawn((disk(x), Drives::imposed([0.0; 3])));
+            world.spawn((disk(x), BodyDrives::imposed([0.0; 3])));
         } else {
             world.spawn(disk(x));
         }
@@ -108,8 +107,8 @@ fn a_closed_membrane_brings_its_pressure_and_no_force() {
         let scale = pressure * THICKNESS * RADIUS;
         assert!(resultant(world).length() < 1e-10 * scale, "{}", resultant(world));
         // The grain that is held carries nothing.
-        let mut held = world.query::<(&Drives, &ExternalForce)>();
-        let held = held.iter(world).find(|(drives, _)| drives.0 != [Drive::Free; 3]).unwrap().1;
+        let mut held = world.query::<(&BodyDrives, &ExternalForce)>();
+        let held = held.iter(world).find(|(drives, _)| drives.0 != [BodyDrive::Free; 3]).unwrap().1;
         assert!(held.0[0].hypot(held.0[1]) < 1e-6 * scale, "{held:?}");
         if let Some(area) = area {
             let stress = mean_stress(world, area);
@@ -131,7 +130,7 @@ fn a_side_carries_pressure_times_height_even_in_halved_increments() {
     let height = 2.0 * RADIUS + ROW * (rows - 1) as f64;
     let wall = |tangent: DVec2, y: f64| {
         let place = DVec2::new(6.0 * RADIUS, y);
-        (Wall { tangent, half_length: 0.05 }, body::Position(place), body::Origin(place), law(0.0))
+        (Wall { tangent, half_length: 0.05 }, BodyPosition(place), BodyOrigin(place), law(0.0))
     };
     for sides in [Sides::Right, Sides::Left, Sides::Both] {
         let mut app = app(3.0, 0.5);
@@ -146,7 +145,7 @@ fn a_side_carries_pressure_times_height_even_in_halved_increments() {
             let is_left = sides == Sides::Left;
             let (tangent, x) =
                 if is_left { (DVec2::Y, 16.0 * RADIUS) } else { (DVec2::NEG_Y, -RADIUS) };
-            let place = body::Position(DVec2::new(x, 0.5 * height));
+            let place = BodyPosition(DVec2::new(x, 0.5 * height));
             world.spawn((Wall { tangent, half_length: 0.5 * height }, place, law(0.0)));
         }
         let id = |world: &World, wall: Entity| *world.get::<BodyId>(wall).unwrap();
@@ -181,19 +180,19 @@ fn a_loose_grain_outside_is_pressed_against_the_others() {
     let world = app.world_mut();
     for k in 0..6 {
         let y = RADIUS + 2.0 * RADIUS * f64::from(k);
-        world.spawn((disk(DVec2::new(0.0, y)), Drives::imposed([0.0; 3])));
+        world.spawn((disk(DVec2::new(0.0, y)), BodyDrives::imposed([0.0; 3])));
         let beside = DVec2::new(2.0 * RADIUS, y);
         if k == 3 {
             // Smaller, away from the column behind and from its two neighbours.
             let small = Particle::disk(0.8 * RADIUS, 2650.0, THICKNESS);
-            world.spawn((small, body::Position(beside), body::Origin(beside)));
+            world.spawn((small, BodyPosition(beside), BodyOrigin(beside)));
         } else {
-            world.spawn((disk(beside), Drives::imposed([0.0; 3])));
+            world.spawn((disk(beside), BodyDrives::imposed([0.0; 3])));
         }
     }
     let wall = |tangent: DVec2, y: f64| {
         let place = DVec2::new(RADIUS, y);
-        (Wall { tangent, half_length: 0.02 }, body::Position(place), law(0.0))
+        (Wall { tangent, half_length: 0.02 }, BodyPosition(place), law(0.0))
     };
     let bottom = world.spawn(wall(DVec2::X, 0.0)).id();
     let top = world.spawn(wall(DVec2::NEG_X, 12.0 * RADIUS)).id();
@@ -202,8 +201,9 @@ fn a_loose_grain_outside_is_pressed_against_the_others() {
     world.spawn(membrane(Course::Between { first, second, sides: Sides::Right }));
     for _ in 0..2 {
         let pressure = increment(world);
-        let mut free = world.query::<(&Drives, &body::Position)>();
-        let place = free.iter(world).find(|(drives, _)| drives.0 == [Drive::Free; 3]).unwrap().1.0;
+        let mut free = world.query::<(&BodyDrives, &BodyPosition)>();
+        let place =
+            free.iter(world).find(|(drives, _)| drives.0 == [BodyDrive::Free; 3]).unwrap().1.0;
         // It touches the column behind, which carries half of the two links, 4 radii high.
         let overlap = pressure * 2.0 * RADIUS * THICKNESS / 6.0e7;
         assert!((place.x - 1.8 * RADIUS + overlap).abs() < 1e-6 * RADIUS, "{place}");
@@ -220,7 +220,7 @@ struct Seen {
 }
 
 fn are_fresh(
-    bodies: Res<Bodies>,
+    bodies: Res<BodyTable>,
     (progress, analysis, attempt): (Res<Progress>, Res<Analysis>, Res<Attempt>),
     membranes: Query<&Membrane>,
     loads: Res<TrialLoads>,

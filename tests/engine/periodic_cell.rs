@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use clastic::components::cell::PeriodicCell;
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{
@@ -108,8 +108,8 @@ fn imposed_strains_of_a_lattice() {
     let states = run(&scene(&disks, size, 100.0, "", &stages));
     let first = elastic([e, e, 0.0]);
     assert_near(states[0][0], first, first[0], 1e-10);
-    // Later increments find other lengths: branches and area have shrunk, and so have the sides that
-    // strains refer to; normals have turned.
+    // Later increments find other lengths: branches and area have shrunk, and so have the sides
+    // that strains refer to; normals have turned.
     let [stress, _] = states[1];
     let more = elastic([0.0, e, 0.0]);
     let expected = [first[0] + more[0], first[1] + more[1], 0.0];
@@ -185,7 +185,7 @@ fn imposed_stresses_of_packings() {
                 let world = simulation.world();
                 let cell = *world.resource::<PeriodicCell>();
                 if record.stage == "compact" {
-                    let radii = &world.resource::<Bodies>().radii;
+                    let radii = &world.resource::<BodyTable>().radii;
                     porosity = 1.0 - radii.iter().map(|r| PI * r * r).sum::<f64>() / cell.area();
                     continue;
                 }
@@ -376,7 +376,8 @@ fn cemented(strength: f64, more: &str, stages: &str) -> Scene {
     let mut loaded = scene(&disks, size, 0.5, more, stages);
     let cement = clastic::scene::format::Cement {
         name: "cement".to_owned(),
-        length: 1.0e-4,
+        length: Some(1.0e-4),
+        coordination: None,
         walls: false,
         particles: true,
         select: None,
@@ -442,9 +443,9 @@ fn a_cemented_lattice_breaks_at_its_strength() {
     assert!((last / -e - 1.0).abs() < 0.02, "{last} {e}");
 }
 
-/// A standing wave of rows of frictionless disks under a slight pressure, longitudinal or transverse:
-/// with k the stiffness and q the phase from row to row, `omega^2 = 3 k (1 - cos q)/m` or a third of
-/// it. The period is that, to second order in the time step, and momentum stays zero.
+/// A standing wave of rows of frictionless disks under a slight pressure, longitudinal or
+/// transverse: with k the stiffness and q the phase from row to row, `omega^2 = 3 k (1 - cos q)/m`
+/// or a third of it. The period is that, to second order in the time step, and momentum stays zero.
 #[test]
 fn waves_in_a_cell_have_their_period() {
     let mass = 2650.0 * PI * RADIUS * RADIUS;

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use crate::common::*;
 use bevy_ecs::prelude::With;
-use clastic::components::body::{BodyId, Group, Position, Velocity};
+use clastic::components::body::{BodyId, BodyPosition, BodyVelocity, Group};
 use clastic::components::energy::EnergyLedger;
 use clastic::components::increment::Progress;
 use clastic::components::measure::Readings;
@@ -44,7 +44,7 @@ const ABOVE: &str =
 /// Places, radii and masses by identity.
 fn disks(simulation: &mut Simulation) -> Vec<(u32, DVec2, Particle)> {
     let world = simulation.world_mut();
-    let mut query = world.query::<(&BodyId, &Position, &Particle)>();
+    let mut query = world.query::<(&BodyId, &BodyPosition, &Particle)>();
     let mut list: Vec<_> = query.iter(world).map(|(id, x, p)| (id.0, x.0, *p)).collect();
     list.sort_unstable_by_key(|(id, ..)| *id);
     list
@@ -131,7 +131,7 @@ fn a_grain_comes_with_its_velocity() {
         assert!(from.x.abs() <= 0.01 && (0.71..=0.73).contains(&from.y), "{from}");
     }
     let world = simulation.world_mut();
-    let velocity = world.query_filtered::<&Velocity, With<Particle>>().single(world).unwrap().0;
+    let velocity = world.query_filtered::<&BodyVelocity, With<Particle>>().single(world).unwrap().0;
     assert_within(velocity.x, 0.1, 1e-12);
     assert_within(velocity.y, 0.5 - 51.0 * 9.81 * DT, 1e-12);
     // It brings m v^2/2, and the work of gravity adds to that. With theta = 1 the scheme takes

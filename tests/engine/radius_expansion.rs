@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use clastic::components::body::{BodyId, Position};
+use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::cell::PeriodicCell;
 use clastic::components::increment::Progress;
 use clastic::components::particle::Particle;
@@ -15,7 +15,7 @@ use crate::common::{assert_relative, assert_within, load, next, parse};
 /// Place and disk of every particle, by identity.
 fn disks(simulation: &mut Simulation) -> Vec<(DVec2, Particle)> {
     let world = simulation.world_mut();
-    let mut query = world.query::<(&BodyId, &Position, &Particle)>();
+    let mut query = world.query::<(&BodyId, &BodyPosition, &Particle)>();
     let mut found: Vec<_> = query.iter(world).map(|(id, x, disk)| (*id, (x.0, *disk))).collect();
     found.sort_by_key(|(id, _)| *id);
     found.into_iter().map(|(_, disk)| disk).collect()

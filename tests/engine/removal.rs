@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use crate::common::*;
 use clastic::components::body::BodyId;
 use clastic::components::bond::{Bond, BondState};
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::components::contact_history::{ContactHistory, ContactMemory};
 use clastic::components::energy::EnergyLedger;
 use clastic::run::{Outcome, Simulation};
@@ -190,7 +190,8 @@ fn particles_take_the_energy_of_their_contacts_out_of_a_packing() {
             next(&mut simulation).unwrap();
         }
         let world = simulation.world();
-        let (bodies, rows) = (world.resource::<Bodies>(), world.resource::<Bodies>().ids.clone());
+        let (bodies, rows) =
+            (world.resource::<BodyTable>(), world.resource::<BodyTable>().ids.clone());
         let k = 2.0e7;
         let energy = |c: &ContactMemory| {
             let (a, b) = (c.a as usize, c.b as usize);

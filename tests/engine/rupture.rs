@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::bond::RuptureMode;
-use clastic::components::contact::{Bodies, Contacts};
+use clastic::components::contact::{BodyTable, ContactTable};
 use clastic::components::increment::{Acceptance, RollingLimit, RuptureRules};
 use clastic::components::observation::Observation;
 use clastic::cone::program::{ConeProgram, ConeSolution};
@@ -225,8 +225,8 @@ fn walls_carry_their_stress_exactly_and_the_specimen_carries_that_of_the_walls()
             }
             let world = simulation.world();
             let average = average_stress(
-                world.resource::<Bodies>(),
-                world.resource::<Contacts>(),
+                world.resource::<BodyTable>(),
+                world.resource::<ContactTable>(),
                 world.resource::<ConeProgram>(),
                 world.resource::<ConeSolution>(),
                 size[0] * size[1],
@@ -237,7 +237,7 @@ fn walls_carry_their_stress_exactly_and_the_specimen_carries_that_of_the_walls()
             let forces = &world.resource::<ConeSolution>().forces;
             let maximum = force_scale(world.resource::<ConeProgram>(), forces);
             let balance = record.residuals.balance.max(1e-14) * maximum;
-            let bodies = world.resource::<Bodies>().ids.len() as f64;
+            let bodies = world.resource::<BodyTable>().ids.len() as f64;
             let accepted = bodies * balance * size[0].max(size[1]) / (size[0] * size[1]);
             assert_within(average[1][1], axial, accepted);
             assert_within(average[0][0], lateral, accepted);

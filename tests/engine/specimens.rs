@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use clastic::components::body::{BodyId, Position};
+use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::bond::Bond;
 use clastic::components::material::{BondLaw, Materials};
 use clastic::components::particle::{MaterialIndex, Particle};
@@ -18,7 +18,7 @@ fn particles(simulation: &mut Simulation) -> Vec<(DVec2, f64, String)> {
     let world = simulation.world_mut();
     let names: Vec<String> =
         world.resource::<Materials>().0.iter().map(|material| material.name.clone()).collect();
-    let mut query = world.query::<(&BodyId, &Position, &Particle, &MaterialIndex)>();
+    let mut query = world.query::<(&BodyId, &BodyPosition, &Particle, &MaterialIndex)>();
     let mut found: Vec<_> = query
         .iter(world)
         .map(|(id, x, disk, material)| {
@@ -181,7 +181,7 @@ fn pulled(order: impl Fn(usize) -> usize, seed: u32) -> (BTreeMap<[u64; 4], Bond
     assert!(matches!(simulation.run(), Outcome::Completed | Outcome::Collapsed(_)));
     let world = simulation.world_mut();
     let origins: BTreeMap<BodyId, [u64; 2]> = world
-        .query::<(&BodyId, &clastic::components::body::Origin)>()
+        .query::<(&BodyId, &clastic::components::body::BodyOrigin)>()
         .iter(world)
         .map(|(id, x)| (*id, x.0.to_array().map(f64::to_bits)))
         .collect();

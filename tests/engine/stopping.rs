@@ -20,9 +20,9 @@ const STRENGTH: f64 = 24.0;
 
 /// The messages that the app has read.
 #[derive(Resource, Default)]
-struct Stops(Vec<Stopped>);
+struct Stops(Vec<ClasticStopped>);
 
-fn listen(mut messages: MessageReader<Stopped>, mut stops: ResMut<Stops>) {
+fn listen(mut messages: MessageReader<ClasticStopped>, mut stops: ResMut<Stops>) {
     stops.0.extend(messages.read().cloned());
 }
 
@@ -31,15 +31,15 @@ fn pair() -> (App, Entity) {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default())
         .init_resource::<Stops>()
-        .add_systems(Update, listen.after(Stepping));
+        .add_systems(Update, listen.after(ClasticStepping));
     let bond = BondLaw {
         normal_compliance: 1.0 / STIFFNESS,
         tensile_strength: STRENGTH / 12.0e-3,
         ..Default::default()
     };
-    let disk = |x| (Particle::disk(6.0e-3, 2650.0, 1.0), body::Position(DVec2::new(x, 0.0)));
+    let disk = |x| (Particle::disk(6.0e-3, 2650.0, 1.0), BodyPosition(DVec2::new(x, 0.0)));
     let world = app.world_mut();
-    let held = world.spawn((disk(0.0), Drives::imposed([0.0; 3]))).id();
+    let held = world.spawn((disk(0.0), BodyDrives::imposed([0.0; 3]))).id();
     let free = world.spawn(disk(12.0e-3)).id();
     world.spawn(Bond::between(held, free, bond));
     (app, free)
@@ -51,7 +51,7 @@ fn load(app: &mut App, disk: Entity, force: f64) {
 
 /// Elongation of the bond times its stiffness, N.
 fn tension(app: &App, disk: Entity) -> f64 {
-    let place = app.world().get::<body::Position>(disk).map_or(f64::NAN, |x| x.0.x);
+    let place = app.world().get::<BodyPosition>(disk).map_or(f64::NAN, |x| x.0.x);
     STIFFNESS * (place - 12.0e-3)
 }
 
@@ -66,8 +66,8 @@ fn an_app_stops_at_a_collapse_and_goes_on_under_a_load_that_can_be_carried() {
     for _ in 0..20 {
         app.update();
     }
-    let running = *app.world().resource::<Running>();
-    assert_eq!(running, Running::Stopped(StoppedBy::Collapsed));
+    let running = *app.world().resource::<ClasticRunning>();
+    assert_eq!(running, ClasticRunning::Stopped(StoppedBy::Collapsed));
     let stops = app.world().resource::<Stops>().0.clone();
     assert_eq!(stops.len(), 1);
     assert_eq!(stops[0].by, StoppedBy::Collapsed);
@@ -78,12 +78,12 @@ fn an_app_stops_at_a_collapse_and_goes_on_under_a_load_that_can_be_carried() {
     // The bond is broken. Pressed against the other disk, the disk has an equilibrium again.
     load(&mut app, free, -1.0);
     let before = increment(&app);
-    app.insert_resource(Running::Times(2));
+    app.insert_resource(ClasticRunning::Times(2));
     for _ in 0..5 {
         app.update();
     }
     assert_eq!(increment(&app), before + 2);
-    assert_eq!(*app.world().resource::<Running>(), Running::Paused);
+    assert_eq!(*app.world().resource::<ClasticRunning>(), ClasticRunning::Paused);
     assert_eq!(app.world().resource::<Observation>().status, IncrementStatus::Solved);
     assert_eq!(app.world().resource::<Stops>().0.len(), 1);
 }
@@ -113,8 +113,8 @@ fn an_app_stops_at_an_undecided_increment_with_the_residual() {
     for _ in 0..5 {
         app.update();
     }
-    let running = *app.world().resource::<Running>();
-    assert_eq!(running, Running::Stopped(StoppedBy::Undecided));
+    let running = *app.world().resource::<ClasticRunning>();
+    assert_eq!(running, ClasticRunning::Stopped(StoppedBy::Undecided));
     assert_eq!(increment(&app), 1);
     let stops = &app.world().resource::<Stops>().0;
     assert_eq!(stops.len(), 1);
@@ -128,7 +128,7 @@ fn an_app_stops_at_an_undecided_increment_with_the_residual() {
 #[test]
 fn a_halted_app_says_why_once() {
     let (mut app, _) = pair();
-    app.insert_resource(Halted("the laboratory is closed".to_owned()));
+    app.insert_resource(ClasticHalted("the laboratory is closed".to_owned()));
     for _ in 0..3 {
         app.update();
     }
@@ -154,10 +154,13 @@ fn a_collapse_ends_a_stage_of_a_scene_and_the_last_stage_stops_its_app() {
     spawn_scene(app.world_mut(), &scene, None);
     for _ in 0..4 {
         app.update();
-        assert_eq!(*app.world().resource::<Running>(), Running::Always);
+        assert_eq!(*app.world().resource::<ClasticRunning>(), ClasticRunning::Always);
     }
     app.update();
-    assert_eq!(*app.world().resource::<Running>(), Running::Stopped(StoppedBy::Collapsed));
+    assert_eq!(
+        *app.world().resource::<ClasticRunning>(),
+        ClasticRunning::Stopped(StoppedBy::Collapsed)
+    );
     let script = app.world().resource::<Script>();
     assert!(matches!(script.outcome, Some(Outcome::Collapsed(_))), "{:?}", script.outcome);
     assert_eq!(increment(&app), 4);
@@ -250,6 +253,6 @@ fn bonds_that_break_at_once_stop_the_app_too() {
     for _ in 0..20 {
         app.update();
     }
-    assert!(matches!(*app.world().resource::<Running>(), Running::Stopped(_)));
+    assert!(matches!(*app.world().resource::<ClasticRunning>(), ClasticRunning::Stopped(_)));
     assert_eq!(app.world().resource::<Stops>().0.len(), 1);
 }

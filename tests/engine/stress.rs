@@ -1,7 +1,7 @@
 //! Average stress: Love and Weber's sum over contacts against the forces on the walls.
 
 use crate::common::*;
-use clastic::components::contact::{Bodies, Contacts};
+use clastic::components::contact::{BodyTable, ContactTable};
 use clastic::components::observation::Observation;
 use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
@@ -53,8 +53,8 @@ fn walls_and_contacts_give_one_stress_tensor_in_a_frictional_cell() {
     every_increment(&small_cell(ROUGH, ROUGH), |record, simulation, width, height| {
         let world = simulation.world();
         let (bodies, contacts, solution) = (
-            world.resource::<Bodies>(),
-            world.resource::<Contacts>(),
+            world.resource::<BodyTable>(),
+            world.resource::<ContactTable>(),
             world.resource::<ConeSolution>(),
         );
         let average =

@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
-use clastic::components::body::Velocity;
-use clastic::components::contact::{Bodies, Contacts};
+use clastic::components::body::BodyVelocity;
+use clastic::components::contact::{BodyTable, ContactTable};
 use clastic::run::Simulation;
 use clastic::scene::format::{Analysis, FrictionLaw, Scene};
 use glam::DVec2;
@@ -85,7 +85,7 @@ fn a_corner_of_two_segments_carries_the_weight_on_both() {
     );
     every_way(&rig(&[centre], &polyline, "", STATIC), |simulation| {
         assert_within(on(simulation, "v").distance(DVec2::new(0.0, -WEIGHT)), 0.0, 1e-7 * WEIGHT);
-        assert_eq!(simulation.world().resource::<Contacts>().0.len(), 2);
+        assert_eq!(simulation.world().resource::<ContactTable>().0.len(), 2);
     });
 }
 
@@ -295,7 +295,7 @@ fn a_whole_circle_has_no_end() {
         every_way(&scene, |simulation| {
             let force = on(simulation, "drum");
             assert_within(force.distance(DVec2::new(0.0, -WEIGHT)), 0.0, 1e-6 * WEIGHT);
-            assert_eq!(simulation.world().resource::<Bodies>().walls.len(), 1);
+            assert_eq!(simulation.world().resource::<BodyTable>().walls.len(), 1);
         });
     }
 }
@@ -329,7 +329,7 @@ fn a_joint_in_a_line_is_one_contact() {
             let held = "Load(name: \"rest\", increments: 3, particles: [(select: All, x: Held)])";
             let disk = [DVec2::new(x, 0.05)];
             every_way(&rig(&disk, &floor, "", &held.replace("3", "1")), |simulation| {
-                assert_eq!(simulation.world().resource::<Contacts>().0.len(), 1, "{floor}");
+                assert_eq!(simulation.world().resource::<ContactTable>().0.len(), 1, "{floor}");
             });
             let mut simulation = Simulation::new(&rig(&disk, &floor, "", held), None);
             while next(&mut simulation).is_some() {}
@@ -352,7 +352,7 @@ fn joints_in_a_line_are_not_felt() {
             scene.analysis = Analysis::Dynamic { dt: 1e-3, theta: 1.0 };
             let mut simulation = Simulation::new(&scene, None);
             let world = simulation.world_mut();
-            world.query::<&mut Velocity>().single_mut(world).unwrap().0 = DVec2::X;
+            world.query::<&mut BodyVelocity>().single_mut(world).unwrap().0 = DVec2::X;
             while next(&mut simulation).is_some() {
                 let y = states(&mut simulation)[0].position.y;
                 assert_within(y, 0.05 - WEIGHT / 1e6, 1e-9);

@@ -11,8 +11,8 @@ fn pressed_disk(control: WallControl, table: Vec<[f64; 3]>) -> (App, Entity) {
     app.add_plugins(ClasticPlugins::default());
     let law = ContactLaw { normal_compliance: 1.0 / STIFFNESS, ..Default::default() };
     let world = app.world_mut();
-    let held = Drives([Drive::Imposed(0.0), Drive::Free, Drive::Imposed(0.0)]);
-    let place = body::Position(DVec2::new(0.0, 0.01));
+    let held = BodyDrives([BodyDrive::Imposed(0.0), BodyDrive::Free, BodyDrive::Imposed(0.0)]);
+    let place = BodyPosition(DVec2::new(0.0, 0.01));
     world.spawn((Particle::disk(0.01, 2650.0, 1.0), place, held));
     world.spawn((Wall::between(DVec2::new(-0.02, 0.0), DVec2::new(0.02, 0.0)), law));
     let lid = Wall::between(DVec2::new(0.02, 0.02), DVec2::new(-0.02, 0.02));
@@ -26,7 +26,7 @@ const STIFFNESS: f64 = 1.0e6;
 /// How far the lid has come down from where it touches the disk, m. Two springs in series carry
 /// `STIFFNESS/2` times as much.
 fn descent(app: &App, lid: Entity) -> f64 {
-    0.02 - app.world().get::<body::Position>(lid).map_or(f64::NAN, |x| x.0.y)
+    0.02 - app.world().get::<BodyPosition>(lid).map_or(f64::NAN, |x| x.0.y)
 }
 
 /// The part of the stage that is done was 1/0 and 0/0 in an app without a stage.

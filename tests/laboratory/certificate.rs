@@ -4,7 +4,7 @@
 
 use std::collections::BTreeSet;
 
-use clastic::components::body::{BodyId, Position};
+use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::particle::Particle;
 use clastic::components::wall::Wall;
 use clastic::cone::program::{ConeProgram, Dof, Interaction};
@@ -97,11 +97,11 @@ pub fn check_absent_pairs(
     reach: f64,
 ) -> Result<(), String> {
     let world = simulation.world_mut();
-    let mut query = world.query::<(&BodyId, &Particle, &Position)>();
+    let mut query = world.query::<(&BodyId, &Particle, &BodyPosition)>();
     let mut disks: Vec<(u32, f64, DVec2)> =
         query.iter(world).map(|(id, p, x)| (id.0, p.radius, x.0)).collect();
     disks.sort_by_key(|disk| disk.0);
-    let mut query = world.query::<(&BodyId, &Wall, &Position)>();
+    let mut query = world.query::<(&BodyId, &Wall, &BodyPosition)>();
     let mut walls: Vec<(u32, DVec2, DVec2)> =
         query.iter(world).map(|(id, wall, x)| (id.0, wall.inward(), x.0)).collect();
     walls.sort_by_key(|wall| wall.0);

@@ -376,7 +376,7 @@ fn degenerate_geometry() {
 /// Coincident centres are refused by scenes; a world that has them is not brought down by them.
 #[test]
 fn coincident_centres_are_parted() {
-    use clastic::components::body::{Origin, Position};
+    use clastic::components::body::{BodyOrigin, BodyPosition};
     let scene = packed(
         "coincident",
         "analysis: Dynamic(dt: 1.0e-3)",
@@ -386,7 +386,7 @@ fn coincident_centres_are_parted() {
     );
     let mut simulation = Simulation::new(&scene, None);
     let world = simulation.world_mut();
-    let mut places = world.query::<(&mut Position, &mut Origin)>();
+    let mut places = world.query::<(&mut BodyPosition, &mut BodyOrigin)>();
     for (mut x, mut o) in places.iter_mut(world) {
         (x.0, o.0) = (glam::DVec2::ZERO, glam::DVec2::ZERO);
     }

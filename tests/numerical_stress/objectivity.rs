@@ -1,6 +1,6 @@
 //! Objectivity: a bonded beam turned by a full turn, in few large increments and in many.
 
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::{Motion, ParticleControl, Scene, Select, Stage};
@@ -94,7 +94,8 @@ fn turned(scene: &Scene, turn: f64) -> Turned {
     Turned { stretch, off, broken, solves, halved }
 }
 
-/// With the normals of the start ten increments would stretch the bonds by 0.4 radii and break them.
+/// With the normals of the start ten increments would stretch the bonds by 0.4 radii and break
+/// them.
 #[test]
 fn a_beam_turns_as_a_rigid_body_in_ten_increments() {
     let full_turn = std::f64::consts::TAU;
@@ -111,8 +112,8 @@ fn a_beam_turns_as_a_rigid_body_in_ten_increments() {
     }
 }
 
-/// With the normals of the start the momentum of a wheel that turns by 0.02 rad an increment changes by
-/// more than 1e-4.
+/// With the normals of the start the momentum of a wheel that turns by 0.02 rad an increment
+/// changes by more than 1e-4.
 #[test]
 fn a_wheel_keeps_its_angular_momentum_for_every_theta() {
     for theta in [0.5, 0.75, 1.0] {
@@ -126,7 +127,7 @@ fn a_wheel_keeps_its_angular_momentum_for_every_theta() {
         };
         let start = of(&mut simulation);
         while next(&mut simulation).is_some() {}
-        assert!(simulation.world().resource::<Bodies>().bonds.len() == 12);
+        assert!(simulation.world().resource::<BodyTable>().bonds.len() == 12);
         assert!(!simulation.world().resource::<ConeSolution>().forces.is_empty());
         let change = of(&mut simulation) / start - 1.0;
         println!("theta {theta}: {change:.1e}");

@@ -7,9 +7,11 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use clastic::components::attempt::{Attempt, IncrementStatus};
-use clastic::components::body::{BodyId, Drive, Drives, ExternalForce, LastMotion, Position};
+use clastic::components::body::{
+    BodyDrive, BodyDrives, BodyId, BodyPosition, ExternalForce, LastMotion,
+};
 use clastic::components::bond::{Bond, BondState};
-use clastic::components::contact::{Bodies, Contacts};
+use clastic::components::contact::{BodyTable, ContactTable};
 use clastic::components::findings::{Corrections, Pushed, Sliding};
 use clastic::components::increment::{Analysis, AnalysisKind};
 use clastic::components::observation::Observation;
@@ -92,7 +94,7 @@ struct Body {
 
 fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
     let world = simulation.world_mut();
-    let mut query = world.query::<(&BodyId, &Wall, &Position)>();
+    let mut query = world.query::<(&BodyId, &Wall, &BodyPosition)>();
     query.iter(world).map(|(id, _, x)| (id.0, x.0)).collect()
 }
 
@@ -139,8 +141,9 @@ impl Oracle {
             let capped = record.status == IncrementStatus::Capped;
             let limit = if capped { Sliding::BOUND } else { RESIDUAL };
             findings.book("reported residual", record.residuals.worst(), limit, n);
-            // A pass takes normals and gaps at the end of the increment, and the oracle knows those at
-            // its start. Such increments are checked by residuals, ledger and finite numbers only.
+            // A pass takes normals and gaps at the end of the increment, and the oracle knows those
+            // at its start. Such increments are checked by residuals, ledger and finite numbers
+            // only.
             let passes = simulation.world().resource::<Corrections>().passes;
             if passes == 0 {
                 self.check_committed(simulation, scene, record, &now, findings);
@@ -174,9 +177,9 @@ impl Oracle {
         let is_pushed = world.resource::<Pushed>().0.is_some();
         let mut program = world.resource::<ConeProgram>().clone();
         let forces = world.resource::<ConeSolution>().forces.clone();
-        let mut contacts = world.resource::<Contacts>().0.clone();
+        let mut contacts = world.resource::<ContactTable>().0.clone();
         // Rows of the tables become identities.
-        let ids = world.resource::<Bodies>().ids.clone();
+        let ids = world.resource::<BodyTable>().ids.clone();
         let row = |id: u32| ids.iter().position(|found| found.0 == id).unwrap();
         for c in &mut program.interactions {
             (c.a, c.b) = (ids[c.a as usize].0, ids[c.b as usize].0);
@@ -199,7 +202,7 @@ impl Oracle {
 
         // Where bodies came from.
         let mut bodies: BTreeMap<u32, Body> = BTreeMap::new();
-        let mut query = world.query::<(&BodyId, &Position, &LastMotion, Option<&Particle>)>();
+        let mut query = world.query::<(&BodyId, &BodyPosition, &LastMotion, Option<&Particle>)>();
         for (id, x, u, particle) in query.iter(world) {
             let start = x.0 - DVec2::new(u.0[0], u.0[1]);
             let radius = particle.map_or(0.0, |p| p.radius);
@@ -238,8 +241,8 @@ impl Oracle {
             .map(|b| b.motion[0].hypot(b.motion[1]))
             .fold(1e-6 * mean_radius, f64::max)
             .min(mean_radius);
-        let mut query = world.query::<(&BodyId, &Drives, &ExternalForce)>();
-        let outside: BTreeMap<u32, ([Drive; 3], [f64; 3])> =
+        let mut query = world.query::<(&BodyId, &BodyDrives, &ExternalForce)>();
+        let outside: BTreeMap<u32, ([BodyDrive; 3], [f64; 3])> =
             query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
         // Displacement of a free particle under the loads, where bodies were in motion.
         let free_motion = now
@@ -249,8 +252,8 @@ impl Oracle {
             .map(|(i, s)| {
                 let (drives, external) = outside[&(i as u32)];
                 let load = |k: usize| match drives[k] {
-                    Drive::Free => external[k] + s.mass * analysis.gravity[k],
-                    Drive::Imposed(_) => 0.0,
+                    BodyDrive::Free => external[k] + s.mass * analysis.gravity[k],
+                    BodyDrive::Imposed(_) => 0.0,
                 };
                 load(0).hypot(load(1)) * theta * dt * dt / s.mass
             })
@@ -260,7 +263,7 @@ impl Oracle {
         // A force between bodies that are both held along its direction is not unique.
         let feels = |id: u32, direction: DVec2| match outside.get(&id) {
             Some((drives, _)) => {
-                (0..2).any(|k| drives[k] == Drive::Free && direction[k].abs() > 1e-9)
+                (0..2).any(|k| drives[k] == BodyDrive::Free && direction[k].abs() > 1e-9)
             }
             None => matches!(program.bodies[row(id)].dofs[0], Dof::Free(_)),
         };
@@ -504,7 +507,7 @@ impl Oracle {
                 (before.velocity, before.spin) = (DVec2::ZERO, 0.0);
             }
             for k in 0..3 {
-                if drives[k] != Drive::Free || is_compaction {
+                if drives[k] != BodyDrive::Free || is_compaction {
                     continue;
                 }
                 let mass = if k < 2 { s.mass } else { s.inertia };
@@ -556,7 +559,7 @@ impl Oracle {
                     - x.distance(now[b as usize].position);
                 let joined = bonds.get(&(b, a)).is_some_and(|bond| bond.1)
                     || record.ruptures.iter().any(|r| (r.a.0, r.b.0) == (b, a));
-                let held = |i: u32| outside[&i].0[..2].iter().any(|d| *d != Drive::Free);
+                let held = |i: u32| outside[&i].0[..2].iter().any(|d| *d != BodyDrive::Free);
                 let free = !held(a) || !held(b);
                 if free && rigid_pair(a, b) && !joined {
                     findings.book("overlap of rigid disks, radii", overlap / mean_radius, 2e-6, n);

@@ -84,6 +84,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
     if scene.walls.len() == 4 && r.chance(0.15) {
         let height = (high.1 - low.1) * r.between(0.7, 1.0);
         scene.stages.push(Stage::Compact(Compact {
+            stop: Vec::new(),
             record: Default::default(),
             name: "compact".into(),
             wall: "top".into(),
@@ -101,7 +102,8 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         let walls = r.chance(0.5);
         scene.stages.push(Stage::Cement(Cement {
             name: "cement".into(),
-            length,
+            length: Some(length),
+            coordination: None,
             walls,
             particles: true,
             select: None,
@@ -326,6 +328,7 @@ fn load(
         particles.retain(|c| c.select != Select::Group("red".into()));
     }
     Load {
+        scale: Default::default(),
         record: Default::default(),
         name: format!("load {k}"),
         increments: 1 + r.below(4),

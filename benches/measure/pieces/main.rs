@@ -12,14 +12,14 @@ use std::path::Path;
 use std::time::Duration;
 
 use bevy_ecs::prelude::*;
-use clastic::components::contact::Bodies;
+use clastic::components::contact::BodyTable;
 use clastic::cone::condensed::Condensed;
 use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::program::ConeProgram;
 use clastic::cone::solver::ConeSolver;
 use clastic::run::{Simulation, Step};
 use clastic::scene::LoadedScene;
-use clastic::systems::assemble_program::assemble_program;
+use clastic::systems::assemble_program::{assemble_interactions, balance_bodies};
 use clastic::systems::detect_contacts::candidates::CandidatePairs;
 use clastic::systems::detect_contacts::detect_contacts;
 use clastic_bench::capture::{Captured, Moment, capture};
@@ -68,7 +68,7 @@ fn detection_and_assembly(c: &mut Criterion) {
     group.warm_up_time(Duration::from_millis(500));
     for tiles in ROCKS {
         let mut simulation = loaded(&rock(tiles));
-        let bodies = simulation.world().resource::<Bodies>().clone();
+        let bodies = simulation.world().resource::<BodyTable>().clone();
         let n = bodies.particles;
         let (positions, radii) = (&bodies.positions[..n], &bodies.radii[..]);
         group.bench_function(BenchmarkId::new("candidates", n), |b| {
@@ -86,7 +86,8 @@ fn detection_and_assembly(c: &mut Criterion) {
             world.run_system_cached(detect_contacts).unwrap_or_else(|e| panic!("{e}"));
         });
         run("assemble", |world| {
-            world.run_system_cached(assemble_program).unwrap_or_else(|e| panic!("{e}"));
+            world.run_system_cached(assemble_interactions).unwrap_or_else(|e| panic!("{e}"));
+            world.run_system_cached(balance_bodies).unwrap_or_else(|e| panic!("{e}"));
         });
         let program = world.resource::<ConeProgram>();
         let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();

@@ -6,10 +6,10 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::BondState;
-use clastic_components::contact::Bodies;
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::{Observation, RuptureCount};
-use clastic_systems::identities::Identities;
+use clastic_systems::identities::IdentityTable;
 use clastic_systems::measures::kept::kept_stresses;
 
 use super::collected::{KeyResults, Phase};
@@ -26,8 +26,8 @@ pub fn is_undecided(observation: Res<Observation>) -> bool {
 pub fn observe_increment(
     (script, progress): (Res<Script>, Res<Progress>),
     observation: Res<Observation>,
-    (bodies, analysis): (Res<Bodies>, Res<Analysis>),
-    identities: Res<Identities>,
+    (bodies, analysis): (Res<BodyTable>, Res<Analysis>),
+    identities: Res<IdentityTable>,
     mut results: ResMut<KeyResults>,
 ) {
     let is_compaction = matches!(script.stage(progress.stage), Some(Stage::Compact(_)));
@@ -48,7 +48,7 @@ pub fn observe_increment(
 /// Records the bonds that are there. A stage that makes bonds may be the last one, which no
 /// increment follows.
 pub fn count_bonds(world: &mut World) {
-    let created = world.get_resource::<Identities>().map_or(0, |ids| ids.next().bond as usize);
+    let created = world.get_resource::<IdentityTable>().map_or(0, |ids| ids.next().bond as usize);
     let mut bonds = world.query::<&BondState>();
     let intact = bonds.iter(world).filter(|state| **state == BondState::Intact).count();
     if let Some(mut results) = world.get_resource_mut::<KeyResults>() {

@@ -60,6 +60,9 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     report
 }
 
+/// Porosity at which random packings jam, far from walls.
+const JAMMED: f64 = 0.16;
+
 /// Warning of a compaction to a porosity that no disks of these radii reach.
 fn too_dense(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
     let radii = seeds.iter().map(|seed| seed.radius);
@@ -218,19 +221,22 @@ impl Packed {
     fn compacted(self, compact: &Compact, area: f64, cell: Option<&Cell>) -> Self {
         // Ratio of the area at the target to the present area.
         let left = |n: f64| (area / ((1.0 - n) * self.width * self.height)).min(1.0);
-        match (compact.by, compact.target) {
-            (_, CompactTarget::Height(target)) => Self { height: self.height.min(target), ..self },
-            (CompactBy::Radii, CompactTarget::Porosity(n)) => {
-                let growth = left(n).sqrt().recip();
-                let (largest, mean_mass) =
-                    (self.largest * growth, self.mean_mass * growth * growth);
-                Self { largest, mean_mass, ..self }
+        let n = match compact.target {
+            CompactTarget::Height(target) => {
+                return Self { height: self.height.min(target), ..self };
             }
-            (_, CompactTarget::Porosity(n)) if cell.is_some() => {
-                let factor = left(n).sqrt();
-                Self { width: self.width * factor, height: self.height * factor, ..self }
-            }
-            (_, CompactTarget::Porosity(n)) => Self { height: self.height * left(n), ..self },
+            CompactTarget::Porosity(n) => n,
+            CompactTarget::Jammed => JAMMED,
+        };
+        if compact.by == CompactBy::Radii {
+            let growth = left(n).sqrt().recip();
+            let (largest, mean_mass) = (self.largest * growth, self.mean_mass * growth * growth);
+            Self { largest, mean_mass, ..self }
+        } else if cell.is_some() {
+            let factor = left(n).sqrt();
+            Self { width: self.width * factor, height: self.height * factor, ..self }
+        } else {
+            Self { height: self.height * left(n), ..self }
         }
     }
 

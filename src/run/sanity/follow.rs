@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::bond::Bond;
-use clastic_components::contact::{Bodies, Contacts};
+use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{Analysis, AnalysisKind, Progress};
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -62,7 +62,7 @@ impl Sanity {
     }
 
     /// Adds an increment of the reference stage.
-    fn see_strain(&mut self, o: &Observation, analysis: &Analysis, bodies: &Bodies) {
+    fn see_strain(&mut self, o: &Observation, analysis: &Analysis, bodies: &BodyTable) {
         let Some(strain) = o.axial_strain else { return };
         let change = strain - self.strain.replace(strain).unwrap_or(0.0);
         let lateral = o.lateral_strain.unwrap_or(0.0);
@@ -96,7 +96,7 @@ fn confining(o: &Observation) -> Option<f64> {
 /// Adds the increment.
 pub fn follow(
     (script, progress, analysis): (Res<Script>, Res<Progress>, Res<Analysis>),
-    (bodies, contacts): (Res<Bodies>, Res<Contacts>),
+    (bodies, contacts): (Res<BodyTable>, Res<ContactTable>),
     (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
     (o, bonds): (Res<Observation>, Query<&Bond>),
     mut sanity: ResMut<Sanity>,
@@ -131,8 +131,8 @@ pub fn follow(
 
 /// Maximum overlap over the smaller radius; `None` without an elastic contact under pressure.
 fn overlap(
-    bodies: &Bodies,
-    contacts: &Contacts,
+    bodies: &BodyTable,
+    contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Option<f64> {
@@ -146,7 +146,7 @@ fn overlap(
 }
 
 /// Largest diameters across the smaller side of the box around the particles, or of the cell.
-fn across(bodies: &Bodies) -> Option<f64> {
+fn across(bodies: &BodyTable) -> Option<f64> {
     let n = bodies.particles;
     let largest = bodies.radii[..n].iter().copied().max_by(f64::total_cmp)?;
     let side = |axis: usize| {

@@ -253,7 +253,8 @@ fn scene_with_bond(sand: &mut Scene) -> Scene {
     let mut rock = sand.clone();
     let cement = Cement {
         name: "cement".to_owned(),
-        length: 1e-4,
+        length: Some(1e-4),
+        coordination: None,
         walls: false,
         particles: true,
         select: None,

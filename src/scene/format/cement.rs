@@ -11,7 +11,12 @@ pub struct Cement {
     /// Name.
     pub name: String,
     /// Bond length g_int, m: pairs with a smaller gap are bonded (3.4.1 of the paper).
-    pub length: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub length: Option<f64>,
+    /// Mean number of new bonds of a particle: the pairs with the smallest gaps are bonded. It
+    /// takes the place of the length.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coordination: Option<f64>,
     /// Whether particles are also bonded to walls.
     #[serde(default)]
     pub walls: bool,

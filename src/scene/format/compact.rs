@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Record;
+use super::{Record, Stop};
 
 /// See [`Stage::Compact`](super::Stage::Compact).
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -35,6 +35,9 @@ pub struct Compact {
     /// Seed of the shaking.
     #[serde(default)]
     pub seed: u64,
+    /// Conditions on measures that end the stage before its target.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stop: Vec<Stop>,
     /// Recording.
     #[serde(default)]
     pub record: Record,
@@ -47,6 +50,8 @@ pub enum CompactTarget {
     Height(f64),
     /// Porosity between the two walls over the length of the base, or of the cell.
     Porosity(f64),
+    /// As dense as the packing gets: until it is jammed.
+    Jammed,
 }
 
 /// What brings the packing to its target.

@@ -10,6 +10,27 @@ use super::{
 };
 use crate::scene::unique_keys;
 
+/// Factors in the course of a stage, linear between points and constant after the last. The first
+/// number of a point is that of a [`WallControl::Follow`]. Without points the factor is 1.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scale {
+    /// Factor on the gravity of the stage.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub gravity: Vec<(f64, f64)>,
+    /// Factor on cohesion, tensile strength and friction of all contacts and bonds.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub strength: Vec<(f64, f64)>,
+}
+
+impl Scale {
+    /// Whether nothing is scaled.
+    #[must_use]
+    pub fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// See [`Stage::Load`](super::Stage::Load).
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -24,6 +45,9 @@ pub struct Load {
     /// Gravity of this stage, m/s^2; that of the scene if left out.
     #[serde(default)]
     pub gravity: Option<(f64, f64)>,
+    /// Factors on gravity and strength over the stage.
+    #[serde(default, skip_serializing_if = "Scale::is_default")]
+    pub scale: Scale,
     /// Control of walls by name. A wall without an entry keeps its load if it is loaded, and
     /// otherwise stays where it is.
     #[serde(default, deserialize_with = "unique_keys::deserialize")]

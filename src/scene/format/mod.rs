@@ -47,7 +47,7 @@ pub use analysis::{Analysis, FrictionLaw};
 pub use cell::{Cell, CellControl, CellStrain, CellTarget};
 pub use cement::Cement;
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
-pub use load::Load;
+pub use load::{Load, Scale};
 pub use materials::{Bond, Contact, Material};
 pub use measures::{Measure, ROLES};
 pub use membranes::MembraneControl;

@@ -149,6 +149,7 @@ impl From<Fields> for Pour {
             group: of.group,
         };
         let load = Load {
+            scale: super::Scale::default(),
             name: of.name,
             increments: of.increments,
             analysis: of.analysis,

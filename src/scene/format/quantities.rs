@@ -81,6 +81,21 @@ pub enum Quantity {
     },
     /// Number or mass (kg) of the grains that stages have poured in.
     Poured(Amount),
+    /// Number or mass (kg) of the grains in a rectangle, or of those of them that have moved.
+    Grains {
+        /// How they are counted.
+        amount: Amount,
+        /// Lower left corner, m; without it the rectangle has no end there.
+        #[serde(default)]
+        min: Option<(f64, f64)>,
+        /// Upper right corner, m.
+        #[serde(default)]
+        max: Option<(f64, f64)>,
+        /// Displacement since the start of the reference stage, m, from which on a grain counts; 0
+        /// counts all.
+        #[serde(default)]
+        moved: f64,
+    },
     /// Value of a membrane.
     Membrane {
         /// The membrane.
@@ -101,6 +116,8 @@ pub enum Amount {
     Number,
     /// Their mass, kg.
     Mass,
+    /// Their share of the mass of all grains.
+    Share,
 }
 
 /// Modes in which bonds break.

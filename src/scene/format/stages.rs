@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, Cement, Compact, Load, Pour, Record, Select};
+use super::{Analysis, Cement, Compact, Load, Pour, Record, Select, Stop};
 use crate::scene::unique_keys;
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
@@ -16,7 +16,7 @@ pub enum Stage {
     /// Bodies are rigid and frictionless and take the smallest feasible motion. All other walls
     /// stay.
     Compact(Compact),
-    /// Bonds every pair with a gap below a length, free of stress. It has no increments.
+    /// Bonds every pair with a gap below a length, or the nearest pairs. It has no increments.
     Cement(Cement),
     /// Keeps the state as a file from which another scene starts. It has no increments.
     Save(Save),
@@ -88,6 +88,15 @@ impl Stage {
             | Self::Save(_)
             | Self::Remove(_)
             | Self::Custom(_) => None,
+        }
+    }
+
+    /// Conditions that end the stage early.
+    #[must_use]
+    pub fn stop(&self) -> &[Stop] {
+        match self {
+            Self::Compact(s) => &s.stop,
+            _ => self.load().map_or(&[], |load| &load.stop),
         }
     }
 

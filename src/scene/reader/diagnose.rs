@@ -42,7 +42,7 @@ pub(in crate::scene) fn diagnose(text: &str) -> Diagnosis {
     // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();
     let mut absent: Vec<String> = Vec::new();
-    let values = values::names(&root, text);
+    let values = values::names(&root);
     loop {
         let cx = Context::new(text, &absent, &values);
         let reader = Reader::new(&cx, &root, String::new());

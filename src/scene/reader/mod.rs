@@ -8,6 +8,8 @@
 
 mod context;
 pub(super) mod diagnose;
+pub(super) mod dimension;
+pub(super) mod expression;
 pub(super) mod scan;
 pub mod spans;
 mod stand_in;

@@ -5,6 +5,7 @@
 //! value, which `ron` does not. Small mistakes (a missing comma, `=` instead of `:`) are recorded,
 //! and the scan continues.
 
+use super::expression::{is_function, number_length};
 use super::tree::{Entry, Key, Node, Shape, Span};
 
 /// Maximum nesting. Deeper nesting is refused, as in `ron`, because recursion could overflow the
@@ -78,6 +79,13 @@ impl<'t> Scanner<'t> {
         start..self.at
     }
 
+    /// Takes a character if it is one of these.
+    fn take_one(&mut self, any: &[char]) -> Option<char> {
+        let c = self.peek().filter(|c| any.contains(c))?;
+        self.at += c.len_utf8();
+        Some(c)
+    }
+
     fn fault(&self, at: usize, message: impl Into<String>, help: &'static str) -> Fault {
         Fault { at, message: message.into(), help }
     }
@@ -119,7 +127,39 @@ impl<'t> Scanner<'t> {
         }
     }
 
+    /// A value: an operand, and further ones with operators between them.
     fn value(&mut self) -> Result<Node, Fault> {
+        let first = self.operand()?;
+        let start = first.span.start;
+        let literal = self.text.get(first.span.clone()).unwrap_or_default();
+        let name = first.name.clone().and_then(|name| self.text.get(name));
+        let mut is_sign = literal == "-" || literal == "+";
+        let mut is_expression = is_sign || name.is_some_and(is_function);
+        let in_brackets = first.shape == Shape::Tuple && first.entries.len() == 1 && name.is_none();
+        if !is_expression && !in_brackets && !matches!(first.shape, Shape::Number | Shape::Word) {
+            return Ok(first);
+        }
+        loop {
+            let end = self.at;
+            self.blank()?;
+            if !is_sign && !self.rest().starts_with(['+', '-', '*', '/', '^']) {
+                self.at = end;
+                break;
+            }
+            self.at += usize::from(!is_sign);
+            (is_sign, is_expression) = (false, true);
+            loop {
+                self.blank()?;
+                if self.take_one(&['+', '-']).is_none() {
+                    break;
+                }
+            }
+            self.operand()?;
+        }
+        Ok(if is_expression { self.leaf(start, Shape::Expression) } else { first })
+    }
+
+    fn operand(&mut self) -> Result<Node, Fault> {
         let start = self.at;
         let rest = self.rest();
         let Some(first) = rest.chars().next() else { return Ok(self.leaf(start, Shape::Nothing)) };
@@ -134,8 +174,12 @@ impl<'t> Scanner<'t> {
             'b' if rest.starts_with("b\"") => self.quoted(start + 1, '"', Shape::Text),
             'b' if rest.starts_with("b'") => self.quoted(start + 1, '\'', Shape::Number),
             '0'..='9' | '+' | '-' | '.' => {
-                self.take(|c| c.is_alphanumeric() || matches!(c, '.' | '_' | '+' | '-'));
-                self.unit();
+                let sign = self.take_one(&['+', '-']);
+                let length = number_length(self.rest());
+                self.at += length;
+                if sign.is_none() || length > 0 {
+                    self.unit();
+                }
                 Ok(self.leaf(start, Shape::Number))
             }
             ',' | ')' | ']' | '}' => Ok(self.leaf(start, Shape::Nothing)),
@@ -163,8 +207,9 @@ impl<'t> Scanner<'t> {
         let line = &rest[..rest.find('\n').unwrap_or(rest.len())];
         let word = line.trim_start_matches([' ', '\t']);
         let blank = line.len() - word.len();
-        let first = |c: char| c.is_alphabetic() || matches!(c, '%' | '°' | '/' | '²' | '³');
-        let inner = |c: char| first(c) || c.is_ascii_digit() || matches!(c, '^' | '*' | '·' | ' ');
+        let first = |c: char| c.is_alphabetic() || matches!(c, '%' | '°' | '²' | '³');
+        let inner =
+            |c: char| first(c) || c.is_ascii_digit() || matches!(c, '/' | '^' | '*' | '·' | ' ');
         let word = &word[..word.find(|c| !inner(c)).unwrap_or(word.len())];
         let word = word.find("//").map_or(word, |comment| &word[..comment]);
         let word = word.find("/*").map_or(word, |comment| &word[..comment]).trim_end();

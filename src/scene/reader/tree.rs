@@ -14,6 +14,8 @@ pub enum Shape {
     Word,
     /// A number.
     Number,
+    /// Arithmetic in place of a number: `2 * step`, `-step`.
+    Expression,
     /// A string.
     Text,
     /// A character.

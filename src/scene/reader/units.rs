@@ -35,7 +35,7 @@ const PREFIXES: [(&str, f64); 9] = [
 
 /// Value in SI units and powers of m, kg, s and rad of a unit such as `kN/m2` or `N m`. Of the
 /// readings of a name the longest counts: `mm` is no square metre.
-fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
+pub(super) fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
     let (mut value, mut powers) = (1.0, [0; 4]);
     for (k, mut left) in unit.split('/').enumerate() {
         let sign = if k == 0 { 1 } else { -1 };
@@ -71,9 +71,8 @@ fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
 pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
         "position" | "size" | "tilt" | "radius" | "limits" | "spacing" | "origin" | "start"
-        | "end" | "min" | "max" | "about" | "length" | "step" | "thickness" | "ball" | "Height" => {
-            "m"
-        }
+        | "moved" | "end" | "min" | "max" | "about" | "length" | "step" | "thickness" | "ball"
+        | "Height" => "m",
         "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
@@ -109,6 +108,11 @@ pub(in crate::scene) fn split(literal: &str) -> Option<(f64, &str)> {
         .filter(|at| *at > 0)
         .find_map(|at| Some((plain(literal[..at].trim_end())?, literal[at..].trim())))?;
     Some((number, unit)).filter(|(_, unit)| !unit.is_empty())
+}
+
+/// Whether a text is a unit.
+pub(in crate::scene) fn is_unit(text: &str) -> bool {
+    parse(text).is_some_and(|(_, powers)| powers != [0; 4])
 }
 
 /// The remedy for a number with a unit, if `wanted` is the unit of the field.

@@ -71,9 +71,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         match stage {
             Stage::Compact(stage) => compact(path, stage, findings),
             Stage::Load(stage) => load(path, stage, findings),
-            Stage::Cement(_) | Stage::Save(_) => {}
-            Stage::Remove(_) | Stage::Pour(_) | Stage::Custom(_) => {
-                let help = "use `Load`, `Compact`, `Cement` and `Save`";
+            Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_) => {}
+            Stage::Pour(_) | Stage::Custom(_) => {
+                let help = "use `Load`, `Compact`, `Cement`, `Remove` and `Save`";
                 findings.add(path, "this stage does not support a periodic cell", help);
             }
         }
@@ -113,7 +113,7 @@ fn compact(path: Arguments, stage: &Compact, findings: &mut Findings) {
         }
     }
     if matches!(stage.target, CompactTarget::Height(_)) {
-        let help = "write `target: Porosity(...)`";
+        let help = "write `target: Porosity(...)` or `target: Jammed`";
         findings.add(format_args!("{path}.target"), "a height in a periodic cell", help);
     }
     if stage.rest == CompactRest::Still {

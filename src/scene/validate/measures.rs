@@ -2,8 +2,10 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::format::{
-    Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
+    Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
 
 use super::Context;
@@ -73,6 +75,29 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             Quantity::Membrane { membrane: name, .. } => {
                 membrane(context, format_args!("{path}.membrane"), name, findings);
             }
+            Quantity::Poured(Amount::Share) => {
+                let help = "write `Number` or `Mass`";
+                findings.add(format_args!("{path}[0]"), "a share of what is still to come", help);
+            }
+            Quantity::Grains { min, max, moved, .. } => {
+                let far = f64::MAX;
+                for (field, corner) in [("min", min), ("max", max)] {
+                    if let Some(corner) = corner {
+                        let path = format_args!("{path}.{field}");
+                        findings.vector(path, *corner, "a place in m");
+                    }
+                }
+                let corners = (min.unwrap_or((-far, -far)), max.unwrap_or((far, far)));
+                if corners.0.0 >= corners.1.0 || corners.0.1 >= corners.1.1 {
+                    let help = "give a rectangle with an area";
+                    findings.add(
+                        format_args!("{path}.max"),
+                        "not above and to the right of min",
+                        help,
+                    );
+                }
+                findings.not_negative(format_args!("{path}.moved"), *moved, "a displacement in m");
+            }
             Quantity::Custom(name) if name.trim().is_empty() => {
                 let help = "name a measure that a plugin of the program provides";
                 findings.add(format_args!("{path}[0]"), "no name", help);
@@ -140,8 +165,8 @@ fn needs(context: &Context, path: Arguments, names: &[&str], findings: &mut Find
 }
 
 fn rectangle(path: Arguments, min: (f64, f64), max: (f64, f64), findings: &mut Findings) {
-    let fine = findings.vector(format_args!("{path}.min"), min, "a place in m")
-        & findings.vector(format_args!("{path}.max"), max, "a place in m");
+    let fine = findings.vector(format_args!("{path}.min"), min, domain::PLACE.what)
+        & findings.vector(format_args!("{path}.max"), max, domain::PLACE.what);
     if fine && (min.0 >= max.0 || min.1 >= max.1) {
         let message = format!("not above and to the right of min ({max:?})");
         findings.add(format_args!("{path}.max"), message, "give a rectangle with an area");

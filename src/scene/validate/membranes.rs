@@ -2,6 +2,8 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::StoredSpecimen;
 use crate::scene::format::{Load, MembraneControl, Scene, Stage};
 use crate::scene::spans::join;
@@ -124,7 +126,7 @@ fn made(
     findings: &mut Findings,
 ) {
     if let Some(ball) = control.ball {
-        findings.positive(format_args!("{path}.ball"), ball, "a radius in m");
+        findings.within(format_args!("{path}.ball"), ball, domain::RADIUS);
     }
     let Some((a, b)) = &control.between else {
         if control.sides.is_some() {

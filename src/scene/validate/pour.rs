@@ -2,6 +2,8 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::format::{Analysis, Load, Opening, Pour, Rate, Stop, Stream};
 use crate::scene::spans::join;
 
@@ -37,7 +39,7 @@ pub(super) fn check(
             true
         }
     };
-    findings.vector(format_args!("{path}.velocity"), *velocity, "a velocity in m/s");
+    findings.vector(format_args!("{path}.velocity"), *velocity, domain::VELOCITY.what);
     let limits = check_sizes(format_args!("{path}.sizes"), &stage.stream.sizes, findings);
     let all: f64 = minerals.values().sum();
     if minerals.is_empty() || all < 1.0 {
@@ -74,14 +76,14 @@ fn opening(
 ) {
     let (corners, sides) = match through {
         Opening::Segment { start, end } => {
-            let fine = findings.vector(format_args!("{path}.start"), start, "a place in m")
-                & findings.vector(format_args!("{path}.end"), end, "a place in m");
+            let fine = findings.vector(format_args!("{path}.start"), start, domain::PLACE.what)
+                & findings.vector(format_args!("{path}.end"), end, domain::PLACE.what);
             let length = (end.0 - start.0).hypot(end.1 - start.1);
             (fine.then(|| vec![start, end]), length)
         }
         Opening::Box { min, max } => {
-            let fine = findings.vector(format_args!("{path}.min"), min, "a place in m")
-                & findings.vector(format_args!("{path}.max"), max, "a place in m");
+            let fine = findings.vector(format_args!("{path}.min"), min, domain::PLACE.what)
+                & findings.vector(format_args!("{path}.max"), max, domain::PLACE.what);
             if fine && (min.0 >= max.0 || min.1 >= max.1) {
                 let message = format!("not above and to the right of min ({max:?})");
                 let help = "give a rectangle with an area";

@@ -2,6 +2,8 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::format::{Analysis, Contact, Scene, Stage};
 
 use super::Context;
@@ -9,10 +11,9 @@ use super::findings::Findings;
 
 /// Checks the restitution of a contact law of a material or a wall.
 pub(super) fn law(path: Arguments, contact: Contact, findings: &mut Findings) {
-    let allowed = |value: f64| (0.0..=1.0).contains(&value);
     let of = contact.restitution;
     let path = format_args!("{path}.restitution");
-    let fine = findings.number(path, of, allowed, "a coefficient of restitution from 0 to 1");
+    let fine = findings.within(path, of, domain::RESTITUTION);
     let Contact { normal_stiffness, tangential_stiffness, rolling_stiffness, .. } = contact;
     let elastic = [normal_stiffness, tangential_stiffness, rolling_stiffness] != [None; 3];
     if fine && of > 0.0 && elastic {

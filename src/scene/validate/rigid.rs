@@ -2,6 +2,8 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::format::{Analysis, Load, Motion, RigidControl};
 use crate::scene::spans::join;
 use crate::scene::suggest;
@@ -107,7 +109,7 @@ fn control_of_group(
     }
     if let Some(about) = control.about {
         let path = format_args!("{path}.about");
-        findings.vector(path, about, "a place in m");
+        findings.vector(path, about, domain::PLACE.what);
         if !control.makes() {
             let help = "give it where the group is made";
             findings.add(path, "the pivot of a group that exists", help);

@@ -3,6 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::run::particles::BOUNDARY;
 use crate::scene::format::{Particle, Select, Specimen, Stage};
 use crate::scene::spans::join;
@@ -97,16 +99,16 @@ fn names_of_groups<'a>(context: &'a Context, particles: &'a [Particle]) -> Vec<&
 fn region(path: Arguments, select: &Select, findings: &mut Findings) {
     match select {
         Select::Box { min, max } => {
-            let fine = findings.vector(format_args!("{path}.min"), *min, "a place in m")
-                & findings.vector(format_args!("{path}.max"), *max, "a place in m");
+            let fine = findings.vector(format_args!("{path}.min"), *min, domain::PLACE.what)
+                & findings.vector(format_args!("{path}.max"), *max, domain::PLACE.what);
             if fine && (min.0 > max.0 || min.1 > max.1) {
                 let message = format!("not above and to the right of min ({max:?})");
                 findings.add(format_args!("{path}.max"), message, "swap the corners");
             }
         }
         Select::Circle { centre, radius } => {
-            findings.vector(format_args!("{path}.centre"), *centre, "a place in m");
-            findings.positive(format_args!("{path}.radius"), *radius, "a radius in m");
+            findings.vector(format_args!("{path}.centre"), *centre, domain::PLACE.what);
+            findings.within(format_args!("{path}.radius"), *radius, domain::RADIUS);
         }
         Select::Layer { normal, from, to } => {
             let what = "a direction";
@@ -129,7 +131,7 @@ fn region(path: Arguments, select: &Select, findings: &mut Findings) {
         }
         Select::Polygon(corners) => {
             for (i, corner) in corners.iter().enumerate() {
-                findings.vector(format_args!("{path}[{i}]"), *corner, "a place in m");
+                findings.vector(format_args!("{path}[{i}]"), *corner, domain::PLACE.what);
             }
             if corners.len() < 3 {
                 findings.add(path, "a polygon of fewer than three corners", "give three or more");

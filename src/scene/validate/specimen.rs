@@ -1,5 +1,7 @@
 //! Particles, and the recipes that make them.
 
+use clastic_components::domain;
+
 use crate::scene::coincident::coincident;
 use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Particle, Specimen, Stage, Wall};
@@ -21,8 +23,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         Specimen::Lattice { columns, rows, radius, origin, material } => {
             findings.at_least_one(format_args!("specimen.columns"), *columns, "a number");
             findings.at_least_one(format_args!("specimen.rows"), *rows, "a number");
-            let fine = findings.positive(format_args!("specimen.radius"), *radius, "a radius in m")
-                & findings.vector(format_args!("specimen.origin"), *origin, "a place in m");
+            let fine = findings.within(format_args!("specimen.radius"), *radius, domain::RADIUS)
+                & findings.vector(format_args!("specimen.origin"), *origin, domain::PLACE.what);
             material_of(context, format_args!("specimen"), material.as_deref(), findings);
             if fine && *columns > 0 && *rows > 0 {
                 let last = f64::from(rows - 1);
@@ -73,16 +75,15 @@ fn size(context: &Context, findings: &mut Findings) {
 fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
     for (i, particle) in list.iter().enumerate() {
         let path = format_args!("specimen[{i}]");
-        let fine =
-            findings.positive(format_args!("{path}.radius"), particle.radius, "a radius in m")
-                & findings.vector(
-                    format_args!("{path}.position"),
-                    particle.position,
-                    "a place in m",
-                );
-        findings.vector(format_args!("{path}.velocity"), particle.velocity, "a velocity in m/s");
+        let fine = findings.within(format_args!("{path}.radius"), particle.radius, domain::RADIUS)
+            & findings.vector(
+                format_args!("{path}.position"),
+                particle.position,
+                domain::PLACE.what,
+            );
+        findings.vector(format_args!("{path}.velocity"), particle.velocity, domain::VELOCITY.what);
         let spin = particle.angular_velocity;
-        findings.finite(format_args!("{path}.angular_velocity"), spin, "a velocity in rad/s");
+        findings.finite(format_args!("{path}.angular_velocity"), spin, domain::SPIN.what);
         material_of(context, path, particle.material.as_deref(), findings);
         if particle.group.as_ref().is_some_and(|group| group.trim().is_empty()) {
             findings.add(format_args!("{path}.group"), "empty name of a group", "give a name");
@@ -114,7 +115,7 @@ fn packing(context: &Context, findings: &mut Findings) {
     findings.at_least_one(format_args!("specimen.count"), *count, "a number");
     findings.at_least_one(format_args!("specimen.columns"), *columns, "a number");
     let fine = findings.positive(format_args!("specimen.spacing"), *spacing, "a spacing in m")
-        & findings.vector(format_args!("specimen.origin"), *origin, "a place in m");
+        & findings.vector(format_args!("specimen.origin"), *origin, domain::PLACE.what);
     material_of(context, format_args!("specimen"), material.as_deref(), findings);
     let limits = check_sizes(format_args!("specimen.sizes"), sizes, findings);
     let Some((minimum, maximum)) = limits.filter(|_| fine) else { return };

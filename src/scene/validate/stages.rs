@@ -13,7 +13,7 @@ use super::findings::Findings;
 use super::parts::{WALL, motion, wall_there};
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{Context, accuracy, carried, membranes, pour, rigid, stops, walls};
+use super::{Context, accuracy, carried, membranes, pour, rigid, stops, wall_controls, walls};
 
 /// Maximum number of increments of a compaction.
 const MAX_STEPS: f64 = 1e8;
@@ -43,7 +43,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                     findings.add(path, "a compaction with rigid groups", help);
                 }
                 membranes::none(path, "a compaction", &skins, findings);
-                compact(context, path, stage, &present, findings);
+                compact(context, path, (i, stage), &present, findings);
             }
             Stage::Cement(stage) => cement(context, path, stage, findings),
             Stage::Save(_) => {}
@@ -88,7 +88,7 @@ fn files(stages: &[Stage], findings: &mut Findings) {
 fn compact(
     context: &Context,
     path: Arguments,
-    stage: &Compact,
+    (index, stage): (usize, &Compact),
     present: &[bool],
     findings: &mut Findings,
 ) {
@@ -131,6 +131,17 @@ fn compact(
             let allowed = |value| value > 0.0 && value < 1.0;
             findings.number(target_path, porosity, allowed, "a porosity between 0 and 1");
         }
+        CompactTarget::Jammed => {}
+    }
+    for (i, stop) in stage.stop.iter().enumerate() {
+        let path = format_args!("{path}.stop[{i}]");
+        if matches!(stop, Stop::Below(..) | Stop::Above(..)) {
+            stops::check(context, path, stop, true, findings);
+            stops::never(context, path, (index, stop), (present, true), findings);
+        } else {
+            let help = "write `Below` or `Above`, with a measure";
+            findings.add(path, "a compaction, which has no stress and no time", help);
+        }
     }
     record(format_args!("{path}.record"), &stage.record, findings);
     let stepped = findings.positive(format_args!("{path}.step"), *step, "a step in m");
@@ -158,7 +169,27 @@ fn record(path: Arguments, record: &Record, findings: &mut Findings) {
 }
 
 fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Findings) {
-    findings.not_negative(format_args!("{path}.length"), stage.length, "a bond length in m");
+    if let Some(length) = stage.length {
+        findings.not_negative(format_args!("{path}.length"), length, "a bond length in m");
+    }
+    if let Some(bonds) = stage.coordination {
+        // No more disks of one size have a common neighbour.
+        let allowed = |bonds: f64| bonds > 0.0 && bonds <= 6.0;
+        let path = format_args!("{path}.coordination");
+        findings.number(path, bonds, allowed, "a number of bonds of a particle, at most 6");
+    }
+    if stage.length.is_some() == stage.coordination.is_some() {
+        let help = "give `length`, in m, or `coordination`, the mean number of bonds of a particle";
+        findings.add(
+            path,
+            "one of `length` and `coordination` says how many bonds there are",
+            help,
+        );
+    }
+    if stage.walls && stage.coordination.is_some() {
+        let help = "cement walls in a stage of its own, by `length`";
+        findings.add(format_args!("{path}.walls"), "walls have no coordination", help);
+    }
     if let Some(of) = &stage.select {
         select(context, format_args!("{path}.select"), of, findings);
     }
@@ -195,6 +226,26 @@ fn custom(path: Arguments, stage: &CustomStage, findings: &mut Findings) {
     record(path, &stage.record, findings);
 }
 
+fn scale(context: &Context, path: Arguments, stage: &Load, findings: &mut Findings) {
+    let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
+    for (field, points) in [("gravity", &stage.scale.gravity), ("strength", &stage.scale.strength)]
+    {
+        if !points.is_empty() {
+            let path = format_args!("{path}.scale.{field}");
+            let points: Vec<_> = points.iter().map(|(s, factor)| (*s, vec![*factor])).collect();
+            wall_controls::points_of(path, &points, "a factor", timeless, findings);
+        }
+    }
+    for (k, (_, factor)) in stage.scale.strength.iter().enumerate() {
+        findings.positive(format_args!("{path}.scale.strength[{k}][1]"), *factor, "a factor");
+    }
+    let gravity = stage.gravity.unwrap_or(context.scene.gravity);
+    if !stage.scale.gravity.is_empty() && gravity == (0.0, 0.0) {
+        let help = "give the stage or the scene a `gravity`";
+        findings.add(format_args!("{path}.scale.gravity"), "a factor on no gravity", help);
+    }
+}
+
 fn load(
     context: &Context,
     path: Arguments,
@@ -206,6 +257,7 @@ fn load(
     if let Some(analysis) = stage.analysis {
         super::settings::analysis(format_args!("{path}.analysis"), analysis, findings);
     }
+    scale(context, path, stage, findings);
     if let Some(gravity) = stage.gravity {
         findings.vector(format_args!("{path}.gravity"), gravity, "an acceleration in m/s^2");
     }

@@ -107,7 +107,7 @@ pub(super) fn never(
     let counts = matches!(
         of,
         Quantity::Strain(_) | Quantity::VolumetricStrain | Quantity::DilationAngle { .. }
-    );
+    ) || matches!(of, Quantity::Grains { moved, .. } if *moved > 0.0);
     if counts && here < reference {
         let name = context.stages[reference];
         let the_last = if reference == last { ", the last one" } else { "" };

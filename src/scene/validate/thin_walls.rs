@@ -5,6 +5,8 @@ use glam::DVec2;
 use super::Context;
 use super::findings::Findings;
 use super::places::length;
+use clastic_components::domain;
+
 use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
@@ -32,7 +34,7 @@ pub(super) fn shape(i: usize, wall: &Wall, findings: &mut Findings) {
 fn polyline(i: usize, wall: &Wall, corners: &[(f64, f64)], findings: &mut Findings) {
     let mut fine = true;
     for (k, corner) in corners.iter().enumerate() {
-        fine &= findings.vector(format_args!("walls[{i}].shape[{k}]"), *corner, "a place in m");
+        fine &= findings.vector(format_args!("walls[{i}].shape[{k}]"), *corner, domain::PLACE.what);
     }
     if !fine {
         return;
@@ -56,7 +58,7 @@ fn polyline(i: usize, wall: &Wall, corners: &[(f64, f64)], findings: &mut Findin
 
 fn arc(i: usize, wall: &Wall, through: (f64, f64), findings: &mut Findings) {
     let path = format_args!("walls[{i}].shape.through");
-    if !findings.vector(path, through, "a place in m") {
+    if !findings.vector(path, through, domain::PLACE.what) {
         return;
     }
     let [start, through, end] = [wall.start, through, wall.end].map(DVec2::from);
@@ -74,8 +76,8 @@ fn arc(i: usize, wall: &Wall, through: (f64, f64), findings: &mut Findings) {
 /// Help where a control needs a wall of one piece.
 pub(super) const ONE_PIECE: &str = "name a wall of one piece";
 
-/// A wall that a control or a measure needs as one straight or curved piece. The pair completes "has
-/// no one ..." and says what helps.
+/// A wall that a control or a measure needs as one straight or curved piece. The pair completes
+/// "has no one ..." and says what helps.
 pub(super) fn one_piece(
     context: &Context,
     path: std::fmt::Arguments,

@@ -2,6 +2,8 @@
 
 use std::fmt::Arguments;
 
+use clastic_components::domain;
+
 use crate::scene::format::{Analysis, LidLoad, Slide, Table, WallControl};
 use crate::scene::suggest;
 
@@ -36,19 +38,19 @@ pub(super) fn control_of_wall(
             findings.vector(path, (*x, *y), "a displacement in m");
         }
         WallControl::Velocity(x, y) => {
-            findings.vector(path, (*x, *y), "a velocity in m/s");
+            findings.vector(path, (*x, *y), domain::VELOCITY.what);
             if timeless {
                 no_time(path, "a velocity", findings);
             }
         }
         WallControl::Rotation { about, angle } => {
-            findings.vector(format_args!("{path}.about"), *about, "a place in m");
+            findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
             let what = "an angle of one increment in rad, at most 0.2 (11 degrees)";
             let allowed = |angle: f64| angle.abs() <= MAX_TURN;
             findings.number(format_args!("{path}.angle"), *angle, allowed, what);
         }
         WallControl::Spin { about, angular_velocity } => {
-            findings.vector(format_args!("{path}.about"), *about, "a place in m");
+            findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
             let own = format_args!("{path}.angular_velocity");
             findings.finite(own, *angular_velocity, "an angular velocity in rad/s");
             if let Some(dt) = dt.filter(|dt| (angular_velocity * dt).abs() > MAX_TURN) {
@@ -77,7 +79,7 @@ pub(super) fn control_of_wall(
         WallControl::Follow(table) => {
             follow(context, path, (name, table), (present, timeless), findings);
             if let Table::Rotation { about, angle } = table {
-                findings.vector(format_args!("{path}.about"), *about, "a place in m");
+                findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
                 // Part of the table that an increment takes.
                 let step = dt.unwrap_or(1.0 / f64::from(increments.max(1)));
                 turns(format_args!("{path}.angle"), angle, step, findings);
@@ -149,7 +151,7 @@ fn lid(
             findings.finite(path, u, "a displacement in m");
         }
         Slide::Velocity(v) => {
-            findings.finite(path, v, "a velocity in m/s");
+            findings.finite(path, v, domain::VELOCITY.what);
             if timeless {
                 no_time(path, "a velocity", findings);
             }
@@ -186,6 +188,17 @@ fn follow(
     if !matches!(table, Table::Displacement(_) | Table::Rotation { .. }) {
         one_piece(context, format_args!("{path}"), name, ("normal", ONE_PIECE), findings);
     }
+    points_of(format_args!("{path}"), &points, what, timeless, findings);
+}
+
+/// Checks the points of a table.
+pub(super) fn points_of(
+    path: Arguments,
+    points: &[(f64, Vec<f64>)],
+    what: &str,
+    timeless: bool,
+    findings: &mut Findings,
+) {
     if points.len() < 2 {
         let help = "give two or more, in order of time or progress";
         findings.add(format_args!("{path}"), "a table of fewer than two points", help);

@@ -2,6 +2,8 @@
 
 use std::collections::BTreeMap;
 
+use clastic_components::domain;
+
 use crate::scene::format::{Particle, Specimen, Wall};
 use crate::scene::spans::join;
 
@@ -14,8 +16,9 @@ use super::{ASKEW, Context, thin_walls};
 pub(super) fn check(context: &Context, findings: &mut Findings) {
     let walls = &context.scene.walls;
     for (i, wall) in walls.iter().enumerate() {
-        let start = findings.vector(format_args!("walls[{i}].start"), wall.start, "a place in m");
-        let end = findings.vector(format_args!("walls[{i}].end"), wall.end, "a place in m");
+        let start =
+            findings.vector(format_args!("walls[{i}].start"), wall.start, domain::PLACE.what);
+        let end = findings.vector(format_args!("walls[{i}].end"), wall.end, domain::PLACE.what);
         if start && end {
             thin_walls::shape(i, wall, findings);
         }

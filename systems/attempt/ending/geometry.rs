@@ -16,7 +16,7 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{Bodies, Contact, Contacts};
+use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
@@ -28,9 +28,9 @@ use crate::attempt::closed_pairs::Moved;
 /// Tables of an increment and the place of its geometry.
 pub struct Increment<'a> {
     /// Bodies at the start.
-    pub bodies: &'a Bodies,
+    pub bodies: &'a BodyTable,
     /// Contacts at the start.
-    pub contacts: &'a Contacts,
+    pub contacts: &'a ContactTable,
     /// The program that was solved.
     pub program: &'a ConeProgram,
     /// Place of the increment at which normals count: 0 is the start, 1 the end.
@@ -115,7 +115,8 @@ impl Increment<'_> {
             }
         }
         // A tie represents the turned force of its bond.
-        let ties = program.interactions.iter().zip(&solution.forces).skip(contacts.0.len());
+        let others = contacts.0.len() + bodies.links.len();
+        let ties = program.interactions.iter().zip(&solution.forces).skip(others);
         for (c, f) in ties {
             for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
                 add(program, &mut loads, body as usize, sign * f[0] * c.normal, 0.0);
@@ -210,7 +211,11 @@ struct Exact {
 
 /// Two particles. The three vectors are the position of b relative to a at the start, where the
 /// normal counts, and at the end.
-fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3]) -> Option<Exact> {
+fn of_pair(
+    bodies: &BodyTable,
+    [a, b]: [usize; 2],
+    [start, at, finish]: [DVec2; 3],
+) -> Option<Exact> {
     let (length, far) = (at.length(), finish.length());
     if !(length > 0.0 && far > 0.0 && start.length() > 0.0) {
         return None;
@@ -228,7 +233,7 @@ fn of_pair(bodies: &Bodies, [a, b]: [usize; 2], [start, at, finish]: [DVec2; 3])
 /// A particle and a wall with curves or ends. The normal of a line is constant. A wall that turns is
 /// left to [`turning`](crate::assemble_program::turning), and one in a rigid group to the frozen
 /// normals of its group.
-fn of_wall(bodies: &Bodies, contact: &Contact, way: [DVec2; 3]) -> Option<Exact> {
+fn of_wall(bodies: &BodyTable, contact: &Contact, way: [DVec2; 3]) -> Option<Exact> {
     let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
     let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
     let is_grouped = bodies.group(contact.b as usize).is_some();

@@ -28,7 +28,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{Bodies, Contacts, WallRow};
+use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_components::findings::{Corrections, Guesses};
 use clastic_components::increment::{Analysis, AnalysisKind};
 use clastic_components::wall_shape::WallShape;
@@ -74,8 +74,8 @@ pub struct Stiffness(LinearResponse);
 #[derive(SystemParam)]
 pub struct Tables<'w> {
     analysis: Res<'w, Analysis>,
-    bodies: Res<'w, Bodies>,
-    contacts: Res<'w, Contacts>,
+    bodies: Res<'w, BodyTable>,
+    contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
 }

@@ -46,11 +46,9 @@ impl<'a> Reader<'a> {
     pub(super) fn meant(&self, what: &str) -> String {
         let literal = self.cx.literal(self.node);
         let number = what.ends_with("number") || what.contains("whole number");
-        if number
-            && let Some((word, _)) = values::name_of(self.node, self.cx.text)
-            && !self.cx.values.is_empty()
-        {
-            return values::help(word, self.cx.values);
+        let arithmetic = matches!(self.node.shape, Shape::Word | Shape::Expression);
+        if number && arithmetic {
+            return values::help(self.node, self.cx.text, self.cx.values, self.unit);
         }
         match self.node.shape {
             Shape::Number if number => match (units::split(literal), literal.parse::<f64>()) {
@@ -77,7 +75,9 @@ impl<'a> Reader<'a> {
                     .into()
             }
             Shape::Text if number => "leave the quotes out".to_owned(),
-            Shape::Word | Shape::Number | Shape::Char if what.starts_with("a text") => {
+            Shape::Word | Shape::Number | Shape::Expression | Shape::Char
+                if what.starts_with("a text") =>
+            {
                 format!("write `\"{}\"`", literal.trim_matches('\''))
             }
             Shape::Text if what.starts_with("a text") && literal.contains('\\') => {

@@ -1,0 +1,39 @@
+//! Factors on gravity and strength in the course of a loading stage.
+
+use bevy_ecs::prelude::*;
+
+use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::wall::WallTable;
+
+use super::script::Script;
+use crate::scene::format::{Load, Stage};
+
+/// Run condition: the stage has factors.
+pub(super) fn is_scaled(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
+    script.is_some_and(|script| scaled(&script, &progress).is_some())
+}
+
+fn scaled<'a>(script: &'a Script, progress: &Progress) -> Option<&'a Load> {
+    let load = script.stage(progress.stage).and_then(Stage::load)?;
+    (!load.scale.is_default()).then_some(load)
+}
+
+/// Sets gravity and strength to those at the end of the attempt.
+pub(super) fn scale(script: Res<Script>, progress: Res<Progress>, mut analysis: ResMut<Analysis>) {
+    let Some(load) = scaled(&script, &progress) else { return };
+    let dt = match analysis.kind {
+        AnalysisKind::Dynamic { dt, .. } => Some(dt),
+        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
+    };
+    let factor = |points: &[(f64, f64)]| {
+        if points.is_empty() {
+            return 1.0;
+        }
+        let table = WallTable(points.iter().map(|(s, factor)| [*s, *factor, 0.0]).collect());
+        let [start, end] = table.next(&progress, dt).map(|value| value.x);
+        start + progress.fraction * (end - start)
+    };
+    let (x, y) = load.gravity.unwrap_or(script.scene.gravity);
+    analysis.gravity = factor(&load.scale.gravity) * glam::DVec2::new(x, y);
+    analysis.strength = factor(&load.scale.strength);
+}
