@@ -187,7 +187,7 @@ pub enum Outcome {
         message: String,
     },
     /// The run has stopped for another reason than the specimen: an increment could not be written,
-    /// or a plugin has inserted [`Halted`](clastic_systems::stepping::Halted).
+    /// or a plugin has inserted [`ClasticHalted`](clastic_systems::stepping::ClasticHalted).
     Halted(
         /// What happened.
         String,
