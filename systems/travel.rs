@@ -3,7 +3,7 @@
 //! Two things go wrong in a long step. The normal of a contact that carries load, or of a bond, turns:
 //! the tangential motion of the grain relative to its partner, over its radius, is its travel. And a
 //! grain passes through others that are not in the program: its way over the radius counts with the
-//! factor [`WAY`], without load as a whole. The way is that beyond the greatest imposed motion, since
+//! factor `WAY`, without load as a whole. The way is that beyond the greatest imposed motion, since
 //! bodies move with what drives them.
 
 use clastic_components::contact::{BodyTable, ContactTable};

@@ -198,35 +198,6 @@ macro_rules! state_if_there {
 }
 state_if_there!(StrainReference, StrainPath, clastic_components::measure::CrackSums);
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_angle_of_dilation_is_that_of_a_slope() {
-        // A block that slides at psi over a plane at 45 + psi / 2 degrees: e_a + e_l over
-        // e_a - e_l is -sin psi in every increment, small or large.
-        let psi = 0.2_f64;
-        let ratio = (1.0 + psi.sin()) / (1.0 - psi.sin());
-        let strains = |n: usize| (0..=n).map(|k| 1e-3 * k as f64);
-        let path: Vec<_> =
-            strains(20).map(|e| [1.0 - (-e).exp(), 1.0 - (ratio * e).exp()]).collect();
-        for over in [0.0, 0.002, 0.015] {
-            let found = dilation_angle(&path, over).unwrap();
-            assert!((found - psi).abs() < 1e-12, "{over}: {found}");
-        }
-        assert_eq!(dilation_angle(&path, 0.03), None);
-        // Extension, with the signs of the other axis.
-        let turned: Vec<_> = path.iter().map(|[a, l]| [*l, *a]).collect();
-        assert!((dilation_angle(&turned, 0.0).unwrap() - psi).abs() < 1e-12);
-        // At constant volume, and without shear.
-        let constant = [[0.0, 0.0], [0.01, 1.0 - 1.0 / 0.99]];
-        assert!(dilation_angle(&constant, 0.0).unwrap().abs() < 1e-14);
-        assert_eq!(dilation_angle(&[[0.0, 0.0], [0.01, 0.01]], 0.0), None);
-        assert_eq!(dilation_angle(&[[0.0, 0.0]], 0.0), None);
-    }
-}
-
 /// Displacement gradient of the affine field that fits the motions of bodies best.
 struct AffineField {
     /// `du/dx`.
@@ -256,5 +227,34 @@ impl AffineField {
             along_x: (yy * ux - xy * uy) / det,
             along_y: (xx * uy - xy * ux) / det,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_angle_of_dilation_is_that_of_a_slope() {
+        // A block that slides at psi over a plane at 45 + psi / 2 degrees: e_a + e_l over
+        // e_a - e_l is -sin psi in every increment, small or large.
+        let psi = 0.2_f64;
+        let ratio = (1.0 + psi.sin()) / (1.0 - psi.sin());
+        let strains = |n: usize| (0..=n).map(|k| 1e-3 * k as f64);
+        let path: Vec<_> =
+            strains(20).map(|e| [1.0 - (-e).exp(), 1.0 - (ratio * e).exp()]).collect();
+        for over in [0.0, 0.002, 0.015] {
+            let found = dilation_angle(&path, over).unwrap();
+            assert!((found - psi).abs() < 1e-12, "{over}: {found}");
+        }
+        assert_eq!(dilation_angle(&path, 0.03), None);
+        // Extension, with the signs of the other axis.
+        let turned: Vec<_> = path.iter().map(|[a, l]| [*l, *a]).collect();
+        assert!((dilation_angle(&turned, 0.0).unwrap() - psi).abs() < 1e-12);
+        // At constant volume, and without shear.
+        let constant = [[0.0, 0.0], [0.01, 1.0 - 1.0 / 0.99]];
+        assert!(dilation_angle(&constant, 0.0).unwrap().abs() < 1e-14);
+        assert_eq!(dilation_angle(&[[0.0, 0.0], [0.01, 0.01]], 0.0), None);
+        assert_eq!(dilation_angle(&[[0.0, 0.0]], 0.0), None);
     }
 }

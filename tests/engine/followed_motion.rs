@@ -7,6 +7,7 @@ use clastic::components::attempt::IncrementStatus;
 use clastic::components::energy::EnergyLedger;
 use clastic::components::increment::RuptureOrder;
 use clastic::prelude::*;
+use glam::DVec2;
 
 use crate::common::{self, parse, step};
 
@@ -283,5 +284,49 @@ fn a_small_throw_is_followed_by_small_motions() {
         assert!(records.iter().any(|o| o.motion_steps > 0), "{throw}: no grain went too far");
         let last = records.last().unwrap();
         assert!((last.lateral_stress.unwrap() / 200e3 - 1.0).abs() < 1e-7, "{throw}");
+    }
+}
+
+/// A block of 3 x 5 bonded disks that stands tilted by this angle on a rough floor, in degrees.
+fn tilted_block(degrees: f64) -> String {
+    let axis = DVec2::from_angle(degrees.to_radians());
+    let disk = |k: u32| {
+        let at = DVec2::new(f64::from(k / 5), f64::from(k % 5)) * 0.1;
+        let place = axis.rotate(at) + DVec2::new(0.0, 0.05);
+        let probe = if k == 14 { ", probe: \"top\"" } else { "" };
+        format!("(position: ({:?}, {:?}), radius: 0.05{probe})", place.x, place.y)
+    };
+    let disks: Vec<_> = (0..15).map(disk).collect();
+    format!(
+        "(version: 1, title: \"tilted block\", analysis: Static, gravity: (0.0, -9.81),
+          materials: {{ \"block\": (density: 2700.0,
+            contact: (normal_stiffness: 1.0e9, tangential_stiffness: 1.0e9, friction: 0.6),
+            bond: (normal_stiffness: 1.0e9, tangential_stiffness: 1.0e9, rolling_stiffness: 2.0e4,
+                rolling_friction: 10.0, cohesion: 1.0e12, tensile_strength: 1.0e12)) }},
+          specimen: Particles([{}]),
+          walls: [(name: \"floor\", start: (-30.0, 0.0), end: (30.0, 0.0),
+            contact: (normal_stiffness: 1.0e9, tangential_stiffness: 1.0e9, friction: 0.6))],
+          stages: [Cement(name: \"glue\", length: 1.0e-6, walls: false),
+            Load(name: \"rest\", increments: 2)])",
+        disks.join(", ")
+    )
+}
+
+/// Whether a block came to rest alternated with its angle, since a turn of the whole specimen counted
+/// as no motion. Its centre is 0.1 m beside and 0.2 m above the disk on which it stands: up to
+/// atan(1/2) = 26.57 degrees it falls back on its base, beyond it on its side.
+#[test]
+fn a_tilted_block_falls_back_or_topples_by_its_angle() {
+    for (degrees, topples) in
+        [(0.5, false), (10.0, false), (26.4, false), (26.8, true), (60.0, true)]
+    {
+        let mut simulation = Simulation::new(&parse(&tilted_block(degrees)), None);
+        let records: Vec<_> = std::iter::from_fn(|| step(&mut simulation)).collect();
+        assert!(records.iter().all(|o| o.status == IncrementStatus::Solved), "{degrees}");
+        let moved = records.last().unwrap().probes[0].motion[1];
+        let start = DVec2::from_angle(degrees.to_radians()).rotate(DVec2::new(0.2, 0.4)).y + 0.05;
+        let height = start + moved;
+        let expected = if topples { 0.25 } else { 0.45 };
+        assert!((height - expected).abs() < 0.01, "{degrees} degrees: {height} m");
     }
 }
