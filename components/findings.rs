@@ -179,7 +179,7 @@ impl Corrections {
         self.list.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.list[k])
     }
 
-    /// Force that the corrector adds to the initial shear force of an interaction, N. `compliance`
+    /// Force that the geometry about the end adds to the initial shear force of an interaction, N. `compliance`
     /// is the tangential compliance in the program, m/N.
     #[must_use]
     pub fn shear_shift(&self, pair: (u32, u32), compliance: f64) -> f64 {

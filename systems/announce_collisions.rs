@@ -25,8 +25,10 @@ impl Plugin for AnnounceCollisionsPlugin {
     }
 }
 
-/// Writes a [`Collision`], and triggers [`BodyHit`] of both bodies, for every pair without a bond
-/// that carries a force after this increment and carried none after the one before.
+/// Announces the pairs that have begun to carry a force in this increment. A pair with a bond is
+/// none of them.
+///
+/// Each pair is one message [`Collision`], and one event [`BodyHit`] of each of its bodies.
 pub fn announce_collisions(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,

@@ -1,10 +1,14 @@
 //! How far a step of a followed motion carries grains: the measure of whether its geometry is valid.
 //!
-//! Two things go wrong in a long step. The normal of a contact that carries load, or of a bond, turns:
-//! the tangential motion of the grain relative to its partner, over its radius, is its travel. And a
-//! grain passes through others that are not in the program: its way over the radius counts with the
-//! factor `WAY`, without load as a whole. The way is that beyond the greatest imposed motion, since
-//! bodies move with what drives them.
+//! A long step has two errors:
+//!
+//! - The normal of a bond, or of a contact that carries load, turns on the way. The grain's motion along
+//!   the contact, over its radius, measures it.
+//! - A grain passes through others, whose contacts the program does not have. Its displacement over its
+//!   radius measures it, with the factor `WAY` if it carries load. Bodies move with what drives them:
+//!   the greatest imposed motion does not count.
+//!
+//! The travel of a grain is the larger of the two, in radii.
 
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -12,8 +16,8 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use crate::assemble_program::scales::maximum_imposed;
 use crate::turns::{is_imposed, of_pairs};
 
-/// Travel of a grain that carries load over its way in radii. A step of the maximum travel carries it
-/// by one radius, so that it passes no other grain.
+/// Factor of the displacement of a grain that carries load. The maximum travel of a step then allows a
+/// displacement of one radius, in which it passes no other grain.
 const WAY: f64 = 0.3;
 
 /// The grain with the maximum travel, and this travel in its radii. Grains with an imposed motion have

@@ -32,6 +32,7 @@ pub fn carrying(solution: &ConeSolution) -> Vec<bool> {
 fn size(f: &[f64; 3]) -> f64 {
     f[0].hypot(f[1])
 }
+
 /// A solution that turns a contact further than this, rad, moves its grains without support. Such a
 /// solution is never accepted, and the grains would cross thousands of others on their way.
 const UNSUPPORTED: f64 = 5.0;

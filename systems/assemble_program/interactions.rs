@@ -29,7 +29,7 @@ pub(super) const ROUND_OFF: f64 = 1e-9;
 /// Findings of the judges that change interactions.
 #[derive(Clone, Copy)]
 pub struct Findings<'a> {
-    /// Geometry of the last pass of the corrector.
+    /// Geometry about the guess of the end of the increment.
     pub corrections: &'a Corrections,
     /// Whether rigid overlaps have been pushed apart.
     pub pushed: &'a Pushed,

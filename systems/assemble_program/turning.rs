@@ -55,7 +55,7 @@ pub fn carry(
         let at = bodies.positions[contact.b as usize];
         let lever = contact.point(bodies) - at;
         *c = c.carried_by(false, contact.b, lever);
-        // The corrector has the exact gap already.
+        // A pass has the exact gap already.
         if corrections.of((contact.a, contact.b)).is_none() {
             c.offset += turning[k].beyond_first_order(bodies, contact, lever).unwrap_or(0.0);
         }

@@ -96,7 +96,7 @@ pub fn judge(
         ..tables.trial(&found, progress.fraction)
     };
     search.overload = maximum(&trial);
-    // The corrector continues from the chosen state with its bonds.
+    // The next pass continues from the chosen state with its bonds.
     if tables.corrections.passes > 0 {
         judge_by_true_limits(&found, &mut program, &mut solution);
         return;

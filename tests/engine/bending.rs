@@ -4,8 +4,7 @@ use clastic::run::Outcome;
 
 use crate::common::*;
 
-/// A cantilever whose tip moved by more than 0.3 radii about the mean field, and which strained by
-/// more than 2 %, counted as collapsed, although its bonds held.
+/// A cantilever whose tip moved by more than 0.3 radii counted as collapsed, although its bonds held.
 ///
 /// By hand, with m = 5 joints of the stiffness k_R at (i + 1/2) a from the root: joint i turns by
 /// P a (m - i - 1/2)/k_R, and the tip sinks by the sum of P a^2 (m - i - 1/2)^2/k_R, and by m P/k_T in

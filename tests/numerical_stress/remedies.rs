@@ -118,7 +118,6 @@ fn finding(message: &str, stage: &Stage) -> &'static str {
         ("Coulomb's law", "no solution of Coulomb's law"),
         ("no body moves", "thrown, but a motion moves nothing"),
         ("turns the contacts", "turned too far"),
-        ("strains the specimen", "strained"),
         ("no solution was found", "no solution"),
         ("cannot prove", "a collapse without proof"),
         ("step of the motion", "a step of the motion"),
