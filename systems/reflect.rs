@@ -131,10 +131,10 @@ mod tests {
     fn a_position_is_read_and_set_by_name() -> Result<(), Box<dyn std::error::Error>> {
         let mut app = App::new();
         app.add_plugins(ReflectPlugin);
-        let disk = app.world_mut().spawn(BodyPosition(DVec2::new(1.0, 2.0))).id();
+        let disk = app.world_mut().spawn(body::BodyPosition(DVec2::new(1.0, 2.0))).id();
         let registry = app.world().resource::<AppTypeRegistry>().clone();
         let registry = registry.read();
-        let known = registry.get_with_type_path("clastic_components::body::Position");
+        let known = registry.get_with_type_path("clastic_components::body::BodyPosition");
         let by_name = known.and_then(|t| t.data::<ReflectComponent>()).ok_or("not registered")?;
 
         let entity = app.world().entity(disk);
@@ -148,7 +148,7 @@ mod tests {
         let mut moved = DynamicTupleStruct::default();
         moved.insert(DVec2::new(3.0, 4.0));
         by_name.apply(app.world_mut().entity_mut(disk), &moved);
-        assert_eq!(app.world().get(disk), Some(&BodyPosition(DVec2::new(3.0, 4.0))));
+        assert_eq!(app.world().get(disk), Some(&body::BodyPosition(DVec2::new(3.0, 4.0))));
         Ok(())
     }
 }
