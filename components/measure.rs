@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::body::BodyId;
 use crate::bond::RuptureMode;
-use crate::observation::{MeasureArea, StrainMeasure, StressMeasure};
+use crate::observation::{MeasureArea, StrainComponent, StrainMeasure, StressMeasure};
 
 /// What a measure reads. Strain and stress have the signs of [`crate::observation`].
 #[derive(Clone, Debug, PartialEq)]
@@ -113,6 +113,41 @@ pub enum Quantity {
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
+}
+
+impl Quantity {
+    /// Unit of the readings; empty for a pure number, and for the value of a plugin.
+    #[must_use]
+    pub fn unit(&self) -> &'static str {
+        match self {
+            Self::Stress(_) => "Pa",
+            Self::Membrane { value: MembraneValue::Area | MembraneValue::OuterArea, .. } => "m^2",
+            Self::Cracks { part: CrackPart::Length, .. }
+            | Self::Membrane { value: MembraneValue::Width | MembraneValue::OuterWidth, .. } => "m",
+            Self::DilationAngle { .. }
+            | Self::Strain(StrainMeasure::Region { component: StrainComponent::Rotation, .. })
+            | Self::Fabric { component: FabricComponent::Direction, .. }
+            | Self::Cracks { part: CrackPart::Direction, .. } => "rad",
+            Self::KineticEnergy | Self::ElasticEnergy => "J",
+            Self::GroupForce { component: 2, .. } => "N m",
+            Self::WallForce { .. } | Self::GroupForce { .. } => "N",
+            Self::Poured { mass: true } | Self::Grains { amount: GrainAmount::Mass, .. } => "kg",
+            Self::Time => "s",
+            Self::Strain(_)
+            | Self::Porosity(_)
+            | Self::Coordination { .. }
+            | Self::Broken { .. }
+            | Self::VolumetricStrain
+            | Self::Fabric { .. }
+            | Self::Fragments(_)
+            | Self::Cracks { .. }
+            | Self::KineticOverElastic
+            | Self::Poured { .. }
+            | Self::Grains { .. }
+            | Self::Membrane { .. }
+            | Self::Custom(_) => "",
+        }
+    }
 }
 
 /// How grains are counted.
@@ -260,3 +295,37 @@ pub struct NamedMeasures {
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Readings(pub Vec<Option<f64>>);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a quantity counts decides its unit.
+    #[test]
+    fn parts_of_a_quantity_have_units_of_their_own() {
+        let grains = |amount| {
+            let corner = DVec2::ZERO;
+            Quantity::Grains { amount, min: corner, max: corner, moved: 0.0 }
+        };
+        let force = |component| Quantity::GroupForce { members: Vec::new(), component };
+        let cracks = |part| Quantity::Cracks { mode: None, part };
+        let membrane = |value| Quantity::Membrane { membrane: Entity::PLACEHOLDER, value };
+        let expected = [
+            (grains(GrainAmount::Mass), "kg"),
+            (grains(GrainAmount::Share), ""),
+            (force(1), "N"),
+            (force(2), "N m"),
+            (cracks(CrackPart::Length), "m"),
+            (cracks(CrackPart::Direction), "rad"),
+            (cracks(CrackPart::Alignment), ""),
+            (membrane(MembraneValue::Grains), ""),
+            (membrane(MembraneValue::OuterArea), "m^2"),
+            (membrane(MembraneValue::OuterWidth), "m"),
+            (Quantity::Strain(StrainMeasure::CellWidth), ""),
+            (Quantity::Poured { mass: true }, "kg"),
+        ];
+        for (quantity, unit) in expected {
+            assert_eq!(quantity.unit(), unit, "{quantity:?}");
+        }
+    }
+}

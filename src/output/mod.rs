@@ -68,7 +68,7 @@ mod save;
 pub mod snapshot;
 mod states;
 pub mod timings;
-mod view;
+pub mod view;
 mod wanted;
 
 pub use begin::{begin, resume};

@@ -17,6 +17,7 @@ use clastic_systems::record::OBSERVATION;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::solve_program::SOLVER_MEMORY;
 use clastic_systems::state::expect_empty;
+use clastic_systems::stepping::EndOfRun;
 pub use clastic_systems::state::{StateError, StateOf, WorldState};
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
@@ -77,7 +78,11 @@ impl StateOf for ScriptState {
         script.peak = self.peak;
         script.collapse = self.collapse;
         script.ends = self.ends;
-        if script.begun {
+        // A state lies between two increments: a run that had ended goes on from there.
+        script.outcome = None;
+        let begun = script.begun;
+        world.resource_mut::<EndOfRun>().0 = None;
+        if begun {
             resolve_measures(world);
         }
     }
@@ -205,11 +210,13 @@ pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(
     Ok(())
 }
 
-/// Restores the state of this world before an increment, as if the increment had not been made.
+/// Goes back to a state of this world, as if no increment had been made since. A scene that has
+/// ended goes on from there; an app that has stopped needs another
+/// [`ClasticRunning`](clastic_systems::stepping::ClasticRunning).
 ///
 /// # Errors
-/// If a part of it cannot be decoded.
-pub(super) fn rewind(world: &mut World, state: &WorldState) -> Result<(), StateError> {
+/// Those of [`WorldState::rewind`].
+pub fn rewind(world: &mut World, state: &WorldState) -> Result<(), StateError> {
     state.rewind(world)?;
     let _ = world.run_system_cached(gather_bodies);
     let _ = world.run_system_cached(renew_shapes);

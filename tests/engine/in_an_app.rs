@@ -431,3 +431,43 @@ fn an_app_that_asks_is_told_of_every_collision_once() {
 /// of the floor was told of.
 #[derive(Resource, Default)]
 struct Hits(Vec<Collision>, Vec<BodyHit>, Vec<Entity>);
+
+/// The rewind of a scene left its outcome, so that an app that had come to the end stayed there.
+#[test]
+fn a_scene_that_has_ended_goes_on_from_a_state_that_was_kept() {
+    let text = r#"(
+        version: 1, title: "a disk falls", gravity: (0.0, -10.0),
+        analysis: Dynamic(dt: 1.0e-2),
+        materials: { "m": (density: 2000.0) },
+        specimen: Particles([(position: (0.0, 0.0), radius: 0.05)]),
+        stages: [Load(name: "up", increments: 3), Load(name: "down", increments: 4)],
+    )"#;
+    let loaded = clastic::scene::from_str(text, "fall.ron".as_ref(), "".as_ref(), &[]);
+    let loaded = loaded.unwrap_or_else(|e| panic!("{e}"));
+    let mut app = App::new();
+    app.add_plugins((ClasticPlugins::default(), ScenePlugin));
+    spawn_scene(app.world_mut(), &loaded.scene, None);
+    let place = |app: &mut App| {
+        let mut disks = app.world_mut().query_filtered::<&BodyPosition, With<Particle>>();
+        disks.iter(app.world()).map(|x| x.0.y.to_bits()).collect::<Vec<_>>()
+    };
+    let to_the_end = |app: &mut App| {
+        for _ in 0..12 {
+            app.update();
+        }
+        let end = ClasticRunning::Stopped(StoppedBy::Completed);
+        assert_eq!(*app.world().resource::<ClasticRunning>(), end);
+        assert_eq!(increments(app), 7);
+    };
+    app.update();
+    app.update();
+    let kept = place(&mut app);
+    let state = clastic::run::state::capture(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    to_the_end(&mut app);
+    let end = place(&mut app);
+    clastic::run::state::rewind(app.world_mut(), &state).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!((increments(&app), place(&mut app)), (2, kept));
+    app.insert_resource(ClasticRunning::Always);
+    to_the_end(&mut app);
+    assert_eq!(place(&mut app), end);
+}

@@ -1,0 +1,13 @@
+#!/usr/bin/env bash
+# Tests the window under a display of its own, with a graphics driver in software. Screenshots go to
+# screenshots/. On Debian:
+#   apt-get install pkg-config libx11-dev libxcursor1 libxi6 libxrandr2 libxkbcommon-x11-0 xvfb mesa-vulkan-drivers
+set -euo pipefail
+cd "$(dirname "$0")"
+driver=${CLASTIC_VULKAN_DRIVER:-/usr/share/vulkan/icd.d/lvp_icd.x86_64.json}
+[[ -f $driver ]] || { echo "no driver $driver: install mesa-vulkan-drivers" >&2; exit 1; }
+export VK_ICD_FILENAMES=$driver WGPU_BACKEND=vulkan
+cargo fmt --check
+cargo clippy --all-targets -- -D warnings
+cargo build
+xvfb-run --auto-servernum --server-args='-screen 0 1400x1000x24' cargo test "$@"
