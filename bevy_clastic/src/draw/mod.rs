@@ -195,7 +195,6 @@ fn draw(
         }
     }
     legends.set_if_neq(Legends(list));
-    time.last = start.elapsed();
-    time.total += time.last;
-    time.number += 1;
+    let last = start.elapsed();
+    *time = DrawingTime { last, total: time.total + last, number: time.number + 1 };
 }
