@@ -5,10 +5,11 @@ use bevy_clastic::FollowPlugin;
 use clastic::prelude::*;
 use glam::DVec2;
 
-fn main() {
+/// The app; `main` runs it.
+pub fn app() -> App {
     let kind = AnalysisKind::Dynamic { dt: 5.0e-3, theta: 1.0 };
-    App::new()
-        .add_plugins((DefaultPlugins, ClasticPlugins::new(FixedPostUpdate)))
+    let mut app = App::new();
+    app.add_plugins((DefaultPlugins, ClasticPlugins::new(FixedPostUpdate)))
         // 300 pixels in a metre.
         .add_plugins(FollowPlugin { scale: 300.0 })
         .insert_resource(Analysis { kind, gravity: DVec2::new(0.0, -9.81), ..default() })
@@ -16,8 +17,13 @@ fn main() {
             contact: ContactLaw { friction: 0.5, ..default() },
             ..default()
         }]))
-        .add_systems(Startup, spawn)
-        .run();
+        .add_systems(Startup, spawn);
+    app
+}
+
+/// Runs the example.
+pub fn main() {
+    app().run();
 }
 
 fn spawn(
@@ -30,7 +36,8 @@ fn spawn(
     commands.spawn((floor, ContactLaw { friction: 0.5, ..default() }));
     let disk = Mesh2d(meshes.add(RegularPolygon::new(0.05 * 300.0, 7)));
     for k in 0..60 {
-        let place = DVec2::new(0.11 * f64::from(k % 6) + 0.01 * f64::from(k % 7), 0.11 * f64::from(k / 6));
+        let (column, row) = (f64::from(k % 6), f64::from(k / 6));
+        let place = 0.11 * DVec2::new(column + 0.1 * (row % 3.0), row);
         let colour = materials.add(Color::hsl(6.0 * k as f32, 0.6, 0.6));
         let body = (Particle::disk(0.05, 2650.0, 1.0), BodyPosition(place));
         commands.spawn((body, disk.clone(), MeshMaterial2d(colour)));

@@ -9,7 +9,7 @@ use super::strokes::Quads;
 pub(super) fn draw(quads: &mut Quads, frame: &Frame, colours: &[LinearRgba], pale: bool) {
     let bodies = &frame.bodies;
     for (row, colour) in colours.iter().enumerate() {
-        let colour = if pale { colour.mix(&LinearRgba::WHITE, 0.5) } else { *colour };
+        let colour = if pale { colour.mix(&LinearRgba::WHITE, 0.4) } else { *colour };
         let radius = f64::from(bodies.radius_m[row]);
         let angle = f64::from(bodies.rotation_rad[row]);
         quads.disk(frame.centre(row).into(), radius, angle, colour);

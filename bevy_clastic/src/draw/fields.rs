@@ -100,8 +100,7 @@ pub fn colouring(shown: &Shown, field: Field) -> (Vec<LinearRgba>, Legend) {
         }
         Field::VolumetricStrain => {
             let strains = strains(&moment(now), &moment(since));
-            let values: Vec<_> =
-                strains.into_iter().map(|s| Some(100.0 * s?.volumetric)).collect();
+            let values: Vec<_> = strains.into_iter().map(|s| Some(100.0 * s?.volumetric)).collect();
             let name = "volumetric strain, contraction +";
             scaled(&values, &Scale::of_signed(&there(&values), name, "%"))
         }

@@ -17,6 +17,8 @@ const COMPRESSION: &str = "#14407a";
 const TENSION: &str = "#d7191c";
 const BOND: &str = "#3f6f9f";
 const WALL: &str = "#3c3c3c";
+/// A wall beyond its drawn ends, where it bounds the grains too.
+const BEYOND: &str = "#cfd4d8";
 const MEMBRANE: &str = "#7b3294";
 const CELL: &str = "#5c6b78";
 const MARK: &str = "#00a86b";
@@ -45,12 +47,13 @@ pub(super) fn draw(
         legends.push(forces(quads, frame, mean, pixel));
     }
     if look.cracks {
-        let samples = cracks(quads, frame, (0.35 * mean).max(THIN * pixel));
+        let samples = cracks(quads, frame, (0.27 * mean).max(THIN * pixel));
         if !samples.is_empty() {
             legends.push(Legend { samples, ..Legend::default() });
         }
     }
     if look.walls {
+        beyond(quads, frame, THIN * pixel);
         boundaries(quads, frame, (0.2 * mean).max(STRONG * pixel));
     }
     marks(quads, frame, look, (0.12 * mean).max(STRONG * pixel));
@@ -94,8 +97,10 @@ fn forces(quads: &mut Quads, frame: &Frame, mean: f64, pixel: f64) -> Legend {
         }
     }
     let full = with_unit(scale.high, "N");
-    let mut samples =
-        vec![Sample { colour: COMPRESSION, text: format!("compression, mean radius wide: {full}") }];
+    let mut samples = vec![Sample {
+        colour: COMPRESSION,
+        text: format!("compression, mean radius wide: {full}"),
+    }];
     if tension {
         samples.push(Sample { colour: TENSION, text: "tension".to_owned() });
     }
@@ -126,6 +131,19 @@ fn cracks(quads: &mut Quads, frame: &Frame, width: f64) -> Vec<Sample> {
         }
     }
     samples
+}
+
+/// Straight walls are lines without ends: they go on over ten times the length that is drawn.
+fn beyond(quads: &mut Quads, frame: &Frame, width: f64) {
+    for wall in (0..frame.walls.id.len()).filter(|wall| !frame.walls.is_thin[*wall]) {
+        if let [a, b] = *frame.wall_line(wall) {
+            let [a, b] = [DVec2::from(a), DVec2::from(b)];
+            let far = 10.0 * (b - a);
+            for ends in [[a - far, a], [b, b + far]] {
+                quads.line(ends, width, colour(BEYOND));
+            }
+        }
+    }
 }
 
 fn boundaries(quads: &mut Quads, frame: &Frame, width: f64) {

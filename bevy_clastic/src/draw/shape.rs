@@ -19,7 +19,7 @@ pub struct Shape {
 
 impl Shape {
     /// Disks with rim and radius.
-    pub const DISKS: Self = Self { marks: Vec4::new(0.45, 0.4, 0.0, 0.0) };
+    pub const DISKS: Self = Self { marks: Vec4::new(0.6, 0.35, 0.0, 0.0) };
     /// Lines.
     pub const LINES: Self = Self { marks: Vec4::ZERO };
 }

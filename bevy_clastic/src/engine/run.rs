@@ -46,8 +46,7 @@ pub(super) fn run(mut app: App, orders: &Receiver<Order>, left: &Mutex<Left>) {
     // A world that has made no increment has no tables yet.
     let _ = world.run_system_cached(gather_bodies);
     let start = capture(world);
-    let mut session =
-        Session { start, kept: None, pause: Duration::ZERO, answer: String::new() };
+    let mut session = Session { start, kept: None, pause: Duration::ZERO, answer: String::new() };
     leave(world, &session, left, false);
     let mut next = Instant::now();
     loop {

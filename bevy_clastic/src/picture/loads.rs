@@ -192,3 +192,73 @@ pub fn settle_loads(world: &mut World) {
     }
     world.insert_resource(way);
 }
+
+#[cfg(test)]
+mod tests {
+    use bevy::app::App;
+    use clastic::prelude::*;
+    use clastic::run::spawn::spawn_scene;
+
+    use super::*;
+
+    /// A disk on a floor under a lid with a force. The floor carries what the lid presses with.
+    fn pressed() -> App {
+        let text = r#"(
+            version: 1, title: "a pressed disk",
+            materials: { "m": (contact: (normal_stiffness: 1.0e7)) },
+            specimen: Particles([(position: (0.0, 0.05), radius: 0.05)]),
+            walls: [
+                (name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0), probe: "floor",
+                    contact: (normal_stiffness: 1.0e7)),
+                (name: "lid", start: (1.0, 0.1), end: (-1.0, 0.1),
+                    contact: (normal_stiffness: 1.0e7)),
+            ],
+            stages: [
+                Load(name: "press", increments: 4, walls: { "lid": Force(100.0) }),
+                Load(name: "hold", increments: 30),
+            ],
+        )"#;
+        let loaded = clastic::scene::from_str(text, "lid.ron".as_ref(), "".as_ref(), &[]).unwrap();
+        let mut app = App::new();
+        app.add_plugins((ClasticPlugins::default(), ScenePlugin));
+        spawn_scene(app.world_mut(), &loaded.scene, None);
+        app
+    }
+
+    /// Forces on the floor after some increments, N.
+    fn forces(app: &mut App, increments: usize) -> Vec<f64> {
+        let next = |_| {
+            app.update();
+            settle_loads(app.world_mut());
+            app.world().resource::<Observation>().probes[0].force[1]
+        };
+        (0..increments).map(next).collect()
+    }
+
+    #[test]
+    fn a_force_goes_to_its_new_value_in_ten_increments_and_stays_there() {
+        let mut app = pressed();
+        forces(&mut app, 6);
+        let lid = loads(app.world_mut()).into_iter().find(|load| load.of == ["lid"]).unwrap();
+        assert_eq!((lid.name().as_str(), lid.value), ("lid: force", 100.0));
+        set_load(app.world_mut(), &Load { value: 200.0, ..lid });
+        let found = forces(&mut app, 15);
+        for (k, force) in found.iter().enumerate() {
+            let expected = 100.0 + 10.0 * (k + 1).min(10) as f64;
+            assert!((force - expected).abs() < 1e-5, "{force} N after {}", k + 1);
+        }
+    }
+
+    #[test]
+    fn gravity_that_was_zero_points_downwards_and_comes_back() {
+        let mut app = pressed();
+        let weight = |app: &mut App, value| {
+            let gravity = loads(app.world_mut()).remove(0);
+            set_load(app.world_mut(), &Load { value, ..gravity });
+            app.world().resource::<Analysis>().gravity
+        };
+        assert_eq!(weight(&mut app, 9.81), DVec2::new(0.0, -9.81));
+        assert_eq!(weight(&mut app, 0.0), DVec2::ZERO);
+        assert_eq!(loads(app.world_mut())[0].value, 0.0);
+    }
+}

@@ -73,9 +73,8 @@ impl Picture {
             title: script.map_or_else(String::new, |script| script.scene.title.clone()),
             stage: [(progress.stage + 1).min(stages), stages],
             done: [progress.done, progress.total],
-            is_test: script.is_some_and(|script| {
-                script.begun && progress.stage >= script.reference_stage()
-            }),
+            is_test: script
+                .is_some_and(|script| script.begun && progress.stage >= script.reference_stage()),
             time_step: match world.resource::<Analysis>().kind {
                 AnalysisKind::Dynamic { dt, .. } => Some(dt),
                 AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,

@@ -148,7 +148,8 @@ mod tests {
 
     #[test]
     fn rows_after_a_state_to_which_the_world_goes_back_are_forgotten() {
-        let columns = [Column { name: "x".into(), unit: "" }, Column { name: "y".into(), unit: "" }];
+        let columns =
+            [Column { name: "x".into(), unit: "" }, Column { name: "y".into(), unit: "" }];
         let mut series = Series::default();
         for k in 1..=5 {
             series.add(&columns, k, vec![Some(k as f64), (k > 1).then_some(7.0)]);

@@ -105,6 +105,9 @@ pub(super) fn fit(
     mut fit: ResMut<Fit>,
 ) {
     let size = Vec2::new(window.width(), window.height());
+    if !shown.is_changed() && !fit.is_changed() && size == fit.window {
+        return;
+    }
     let (mut place, mut projection) = camera.into_inner();
     let Projection::Orthographic(projection) = &mut *projection else { return };
     if size != fit.window {

@@ -32,14 +32,16 @@ fn add(area: &mut ChildSpawnerCommands, legend: &Legend) {
         area.spawn(words(&legend.name, INK));
     }
     if !legend.scale.is_empty() {
-        area.spawn(Node { width: percent(100), height: px(14), ..default() }).with_children(|bar| {
-            for hex in &legend.scale {
-                bar.spawn((
-                    Node { flex_grow: 1.0, height: percent(100), ..default() },
-                    BackgroundColor(colour(hex).into()),
-                ));
-            }
-        });
+        area.spawn(Node { width: percent(100), height: px(14), ..default() }).with_children(
+            |bar| {
+                for hex in &legend.scale {
+                    bar.spawn((
+                        Node { flex_grow: 1.0, height: percent(100), ..default() },
+                        BackgroundColor(colour(hex).into()),
+                    ));
+                }
+            },
+        );
     }
     if let Some(numbers) = &legend.numbers {
         let node = Node { justify_content: JustifyContent::SpaceBetween, ..row(4) };

@@ -33,11 +33,8 @@ pub(super) struct Filled;
 
 pub(super) fn spawn(mut commands: Commands, mut images: ResMut<Assets<Image>>) {
     let image = images.add(plot::blank());
-    let column = |gap: i32| Node {
-        flex_direction: FlexDirection::Column,
-        row_gap: px(gap),
-        ..default()
-    };
+    let column =
+        |gap: i32| Node { flex_direction: FlexDirection::Column, row_gap: px(gap), ..default() };
     commands.spawn((
         Node {
             position_type: PositionType::Absolute,

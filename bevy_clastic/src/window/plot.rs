@@ -69,7 +69,8 @@ impl Chart {
             }
         }
         let every = self.points.len() / POINTS + 1;
-        let shown: Vec<_> = self.points.iter().rev().step_by(every).map(|p| self.place(*p)).collect();
+        let shown: Vec<_> =
+            self.points.iter().rev().step_by(every).map(|p| self.place(*p)).collect();
         for ends in shown.windows(2) {
             canvas.line(ends[0], ends[1], 0.9, LINE);
         }
@@ -84,7 +85,13 @@ impl Chart {
 fn step(range: f64) -> f64 {
     let size = 10.0_f64.powf((range / 3.0).log10().floor());
     let part = range / 3.0 / size;
-    size * if part < 2.0 { 1.0 } else if part < 5.0 { 2.0 } else { 5.0 }
+    size * if part < 2.0 {
+        1.0
+    } else if part < 5.0 {
+        2.0
+    } else {
+        5.0
+    }
 }
 
 struct Canvas(Vec<u8>);

@@ -21,8 +21,10 @@ const GRAVITY: f64 = 19.62;
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Slider {
     name: Option<String>,
-    /// Ends by name: 0 and twice the first value that is not 0.
+    /// Ends by name: 0 and twice the first value of the stage that is not 0.
     ranges: BTreeMap<String, [f64; 2]>,
+    /// Number of the stage.
+    stage: usize,
     asked: Option<Load>,
     is_held: bool,
 }
@@ -116,6 +118,11 @@ pub(super) fn show(
         return;
     }
     let loads = &shown.now.loads;
+    if slider.stage != shown.now.stage[0] {
+        slider.stage = shown.now.stage[0];
+        slider.ranges.clear();
+        slider.asked = None;
+    }
     if shown.is_changed()
         && let Some(asked) = &slider.asked
         && loads.iter().any(|load| load.name() == asked.name() && is_near(load.value, asked.value))
@@ -132,7 +139,7 @@ pub(super) fn show(
     }
     let at = loads.iter().position(|other| *other == load).map_or(0, |k| k + 1);
     let label = format!(
-        "{}: {}\n    {} to {} (left, right); L: load {at} of {}",
+        "{}: {}\n    {} to {}; load {at} of {} (L)",
         load.name(),
         with_unit(value, load.unit),
         with_unit(low, load.unit),

@@ -10,10 +10,10 @@ use bevy::input::mouse::MouseButtonInput;
 use bevy::prelude::*;
 use bevy::render::view::screenshot::{Screenshot, ScreenshotCaptured, save_to_disk};
 use bevy::window::PrimaryWindow;
-use bevy_clastic::draw::Shown;
+use bevy_clastic::draw::{Shown, UnitsPerMetre};
 use bevy_clastic::engine::Engine;
 use bevy_clastic::picture::Picture;
-use bevy_clastic::window::{self, LivePlugin, SCALE};
+use bevy_clastic::window::{self, LivePlugin};
 use clastic::prelude::{ClasticPlugins, ScenePlugin};
 use clastic::run::spawn::spawn_scene;
 use glam::DVec2;
@@ -121,12 +121,11 @@ impl Steps {
         self.frames(4);
         self.act("screenshot", move |world| {
             let (key, path) = (key.clone(), format!("{FOLDER}/{key}.png"));
-            world
-                .spawn(Screenshot::primary_window())
-                .observe(save_to_disk(path))
-                .observe(move |shot: On<ScreenshotCaptured>, mut shots: ResMut<Shots>| {
+            world.spawn(Screenshot::primary_window()).observe(save_to_disk(path)).observe(
+                move |shot: On<ScreenshotCaptured>, mut shots: ResMut<Shots>| {
                     shots.0.insert(key.clone(), shot.image.clone());
-                });
+                },
+            );
         });
         let key = name.to_owned();
         self.wait("screenshot", move |world| world.resource::<Shots>().0.contains_key(&key));
@@ -145,9 +144,10 @@ fn main_window(world: &mut World) -> Entity {
 
 /// Pixel of a place of the specimen, m.
 pub fn on_screen(world: &mut World, at: DVec2) -> Vec2 {
+    let scale = f64::from(world.resource::<UnitsPerMetre>().0);
     let mut cameras = world.query_filtered::<(&Camera, &GlobalTransform), With<Camera2d>>();
     let (camera, place) = cameras.single(world).expect("a camera");
-    let at = (f64::from(SCALE) * at).as_vec2().extend(0.0);
+    let at = (scale * at).as_vec2().extend(0.0);
     camera.world_to_viewport(place, at).expect("a place in the view")
 }
 
@@ -160,7 +160,6 @@ pub fn pixel(world: &World, name: &str, at: Vec2) -> [u8; 3] {
 
 /// Runs the window of a scene with these steps.
 pub fn run(scene: &str, add: impl FnOnce(&mut Steps)) -> ExitCode {
-    std::fs::create_dir_all(FOLDER).expect("the folder of the screenshots");
     let path = format!("../scenes/{scene}.ron");
     let loaded = clastic::scene::load(path.as_ref(), &[]).unwrap_or_else(|e| panic!("{e}"));
     let engine = Engine::start(move || {
@@ -169,20 +168,23 @@ pub fn run(scene: &str, add: impl FnOnce(&mut Steps)) -> ExitCode {
         spawn_scene(app.world_mut(), &loaded.scene, loaded.specimen.as_ref());
         app
     });
+    let window = Some(window::window(scene.to_owned()));
+    let mut app = App::new();
+    app.add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: window, ..default() }))
+        .insert_resource(engine)
+        .add_plugins(LivePlugin);
     let mut steps = Steps::default();
     steps.wait("the first picture", |world| !picture(world).frame.bodies.id.is_empty());
     steps.frames(10);
     add(&mut steps);
-    let window = Some(window::window(scene.to_owned()));
-    let exit = App::new()
-        .add_plugins(DefaultPlugins.set(WindowPlugin { primary_window: window, ..default() }))
-        .insert_resource(engine)
-        .add_plugins(LivePlugin)
-        .insert_resource(steps)
-        .init_resource::<Shots>()
-        .add_systems(Last, step)
-        .run();
-    if exit.is_success() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    drive(app, steps)
+}
+
+/// Runs an app with these steps.
+pub fn drive(mut app: App, steps: Steps) -> ExitCode {
+    std::fs::create_dir_all(FOLDER).expect("the folder of the screenshots");
+    app.insert_resource(steps).init_resource::<Shots>().add_systems(Last, step);
+    if app.run().is_success() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
 /// One step in a frame. A step that panics ends the program with its message.

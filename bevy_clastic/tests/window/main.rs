@@ -5,6 +5,7 @@
 mod drive;
 mod looks;
 mod measure;
+mod own_app;
 mod session;
 
 use std::process::{Command, ExitCode};
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     match arguments[..] {
         ["session"] => return session::run(),
+        ["own_app"] => return own_app::run(),
         ["look", scene] => return looks::run(scene),
         ["measure", scene] => return measure::run(scene),
         _ => {}
@@ -28,7 +30,7 @@ fn main() -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let looks = LOOKS.map(|scene| vec!["look", scene]);
-    let parts = [vec!["session"]].into_iter().chain(looks);
+    let parts = [vec!["session"], vec!["own_app"]].into_iter().chain(looks);
     let mut failed = false;
     for part in parts {
         let name = part.join(" ");
