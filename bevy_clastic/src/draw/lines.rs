@@ -21,7 +21,7 @@ const WALL: &str = "#3c3c3c";
 const BEYOND: &str = "#cfd4d8";
 const MEMBRANE: &str = "#7b3294";
 const CELL: &str = "#5c6b78";
-const MARK: &str = "#00a86b";
+const MARK: &str = "#00c060";
 /// Minimum widths, pixels.
 const THIN: f64 = 1.2;
 const STRONG: f64 = 2.5;

@@ -7,7 +7,7 @@ use crate::picture::Load;
 pub enum Order {
     /// Make increments, or wait.
     Run(bool),
-    /// Make this number of increments, then wait.
+    /// Make this number of increments, after those that are left of an order before, then wait.
     Step(u32),
     /// Make at most this number of increments in a second; `None` makes as many as there is time
     /// for.

@@ -108,7 +108,10 @@ impl Session {
             Order::Run(_) | Order::Step(_) if ended => {}
             Order::Run(true) => world.insert_resource(ClasticRunning::Always),
             Order::Run(false) => world.insert_resource(ClasticRunning::Paused),
-            Order::Step(n) => world.insert_resource(ClasticRunning::Times(n)),
+            Order::Step(n) => {
+                let left = if let ClasticRunning::Times(left) = running { left } else { 0 };
+                world.insert_resource(ClasticRunning::Times(left + n));
+            }
             Order::Pace(pace) => {
                 let seconds = pace.map_or(0.0, |pace| 1.0 / pace);
                 self.pause = Duration::try_from_secs_f64(seconds).unwrap_or_default();

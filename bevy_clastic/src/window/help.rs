@@ -2,7 +2,7 @@
 
 use bevy::prelude::*;
 
-use super::{INK, text};
+use super::{INK, PALE_INK, text};
 
 /// The keys, as the help and the documentation list them.
 const KEYS: &str = "\
@@ -41,9 +41,11 @@ pub(super) fn spawn(mut commands: Commands) {
             left: px(16),
             top: px(16),
             padding: UiRect::all(px(12)),
+            border: UiRect::all(px(1)),
             ..default()
         },
-        BackgroundColor(Color::srgba(1.0, 1.0, 1.0, 0.93)),
+        BackgroundColor(Color::srgba(1.0, 1.0, 1.0, 0.95)),
+        BorderColor::all(PALE_INK),
         children![(Text::new(KEYS), font, colour)],
     ));
 }

@@ -51,7 +51,9 @@ pub(super) fn show(
     let pace = pace.limit().map_or_else(String::new, |limit| format!(", at most {limit}/s"));
     let [stage, stages] = now.stage;
     let mut status = String::new();
-    if stages > 0 {
+    if now.frame.stage.is_empty() && stages > 0 {
+        status += &format!("before the first of {stages} stages\n");
+    } else if stages > 0 {
         let [done, total] = now.done;
         let name = &now.frame.stage;
         status += &format!("stage {stage} of {stages}: {name}, {done:.0} of {total:.0}\n");

@@ -12,8 +12,13 @@ use std::process::{Command, ExitCode};
 
 /// Scenes of which pictures are taken, each by a process of its own, since a process has one event
 /// loop.
-const LOOKS: [&str; 4] =
-    ["uniaxial_small", "column_collapse_small", "biaxial_membrane_small", "simple_shear_periodic"];
+const LOOKS: [&str; 5] = [
+    "uniaxial_small",
+    "column_collapse_small",
+    "hopper",
+    "biaxial_membrane_small",
+    "simple_shear_periodic",
+];
 
 fn main() -> ExitCode {
     let arguments: Vec<String> = std::env::args().skip(1).collect();

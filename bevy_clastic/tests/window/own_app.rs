@@ -2,6 +2,7 @@
 //! app is drawn.
 
 #[path = "../../examples/sprites.rs"]
+#[expect(dead_code, reason = "the `main` of the example")]
 mod sprites;
 
 use std::process::ExitCode;
