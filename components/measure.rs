@@ -125,7 +125,9 @@ impl Quantity {
             Self::Cracks { part: CrackPart::Length, .. }
             | Self::Membrane { value: MembraneValue::Width | MembraneValue::OuterWidth, .. } => "m",
             Self::DilationAngle { .. }
-            | Self::Strain(StrainMeasure::Region { component: StrainComponent::Rotation, .. })
+            | Self::Strain(StrainMeasure::Region {
+                component: StrainComponent::Rotation, ..
+            })
             | Self::Fabric { component: FabricComponent::Direction, .. }
             | Self::Cracks { part: CrackPart::Direction, .. } => "rad",
             Self::KineticEnergy | Self::ElasticEnergy => "J",

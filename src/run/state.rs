@@ -17,8 +17,8 @@ use clastic_systems::record::OBSERVATION;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::solve_program::SOLVER_MEMORY;
 use clastic_systems::state::expect_empty;
-use clastic_systems::stepping::EndOfRun;
 pub use clastic_systems::state::{StateError, StateOf, WorldState};
+use clastic_systems::stepping::EndOfRun;
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::before::Before;

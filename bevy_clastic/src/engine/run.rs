@@ -13,7 +13,7 @@ use clastic::systems::state::{StateError, WorldState};
 use clastic::systems::stepping::{ClasticRunning, ClasticStepping, ClasticStopped, StoppedBy};
 
 use super::{Left, Order, lock};
-use crate::picture::{Picture, set_load, settle_loads};
+use crate::picture::{Picture, forget_loads, set_load, settle_loads};
 
 /// States to go back to, and the pace.
 struct Session {
@@ -129,6 +129,7 @@ impl Session {
                 let kept = self.kept.as_ref().filter(|_| order == Order::Restore);
                 let state = kept.map(|(_, state)| state).ok_or(()).or(self.start.as_ref());
                 let back = state.map_err(Clone::clone).and_then(|state| rewind(world, state));
+                forget_loads(world);
                 world.insert_resource(ClasticRunning::Paused);
                 let increment = world.resource::<Progress>().increment;
                 self.answer = match back {

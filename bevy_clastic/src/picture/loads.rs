@@ -125,11 +125,14 @@ pub(super) fn loads(world: &mut World) -> Vec<Load> {
     list
 }
 
-/// Direction in which a vector counts: as it was before it was changed, or as it is; gravity
-/// otherwise downwards.
+/// Direction in which a vector counts: its own, or that before it was set to 0; of gravity otherwise
+/// downwards.
 fn along(way: &OnTheWay, key: &Key, vector: DVec2) -> DVec2 {
+    let own = vector.try_normalize();
+    let before = way.directions.get(key).copied();
+    let is_along = |before: &DVec2| own.is_none_or(|own| own.perp_dot(*before).abs() < 1e-9);
     let otherwise = if key.0.is_empty() { -DVec2::Y } else { DVec2::ZERO };
-    way.directions.get(key).copied().unwrap_or_else(|| vector.normalize_or(otherwise))
+    before.filter(is_along).or(own).unwrap_or(otherwise)
 }
 
 /// Gives a load its value. Motions and gravity have it from the next increment on. A force, a
@@ -168,6 +171,11 @@ pub fn set_load(world: &mut World, load: &Load) {
         }
     });
     world.insert_resource(way);
+}
+
+/// Forgets loads on their way. It belongs to a world that has gone back to another state.
+pub fn forget_loads(world: &mut World) {
+    world.remove_resource::<OnTheWay>();
 }
 
 /// Keeps loads that have arrived where they are. It belongs between two increments.

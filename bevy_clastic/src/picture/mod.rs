@@ -3,7 +3,7 @@
 mod loads;
 mod series;
 
-pub use loads::{Load, set_load, settle_loads};
+pub use loads::{Load, forget_loads, set_load, settle_loads};
 pub use series::{Column, Series, columns, row};
 
 use bevy::ecs::prelude::*;
