@@ -38,7 +38,7 @@ impl Chart {
         }
         (low[1], high[1]) = (low[1].min(0.0), high[1].max(0.0));
         for axis in 0..2 {
-            if !(high[axis] > low[axis]) {
+            if high[axis] <= low[axis] {
                 high[axis] = low[axis] + 1.0;
             }
         }
