@@ -43,9 +43,9 @@ pub use clastic_systems as systems;
 pub mod cli;
 #[cfg(feature = "export")]
 pub mod export;
-pub mod figures;
 pub mod frames;
 mod history_columns;
+pub mod moment;
 pub mod output;
 pub mod run;
 pub mod saved;

@@ -1,6 +1,7 @@
 //! `clastic envelope`: the strength of a scene at several confining stresses, and its envelopes.
 
 use std::collections::BTreeMap;
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -30,11 +31,15 @@ pub const DEFAULT_FIELD: &str = "let.confining";
 const SEED: &str = "seed";
 
 /// Makes the runs, prints the envelopes, and writes table and figure.
-pub fn envelope(args: &EnvelopeArgs, app: &App) -> Result<Exit, Failure> {
+pub fn envelope(
+    args: &EnvelopeArgs,
+    words: &[OsString],
+    app: &App,
+) -> Result<Exit, Failure> {
     let sweep = study(args, app)?;
     fs::create_dir_all(&sweep.folder).map_err(OutputError::at(&sweep.folder))?;
     let all: Vec<_> = (0..sweep.plan.runs.len()).collect();
-    let interrupted = jobs::run_all(&sweep, &all, args.jobs, args.quiet)?;
+    let interrupted = jobs::run_all(&sweep, words, &all, args.jobs, args.quiet)?;
     let exit = collect::collect(&sweep)?;
     if interrupted {
         return Ok(Exit::Interrupted);

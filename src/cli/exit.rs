@@ -65,6 +65,9 @@ impl From<ResumeError> for Failure {
 
 /// Prints to standard output. A closed pipe is no error, because the reader needs no more. A full
 /// disk is an error. Control characters, which a scene may contain, are escaped.
+///
+/// # Errors
+/// If standard output cannot be written.
 pub fn say(what: impl Display) -> Result<(), Failure> {
     match writeln!(io::stdout(), "{}", escaped(&what.to_string())) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use crate::export;
-use crate::figures::run::{At, Run};
+use crate::moment::MomentError;
+use crate::moment::run::{At, Run};
 
 use super::exit::{Exit, Failure, say};
 
@@ -27,6 +28,12 @@ pub struct ExportArgs {
     out: Option<PathBuf>,
 }
 
+impl From<MomentError> for Failure {
+    fn from(error: MomentError) -> Self {
+        Self { exit: Exit::Files, message: error.to_string() }
+    }
+}
+
 /// A format.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 enum Format {
@@ -38,7 +45,7 @@ enum Format {
 
 /// Exports a run.
 pub fn export(args: &ExportArgs) -> Result<Exit, Failure> {
-    let run = Run::open(&args.directory, String::new())?;
+    let run = Run::open(&args.directory)?;
     let mut moments = if args.frames.is_empty() {
         run.all()?
     } else {

@@ -7,6 +7,9 @@ use sysinfo::{MemoryRefreshKind, System};
 use super::exit::{Exit, Failure};
 
 /// Refuses a scene that needs more than the free memory.
+///
+/// # Errors
+/// With the estimate and the free memory.
 pub fn fits(loaded: &LoadedScene) -> Result<(), Failure> {
     let need = Need::of(&loaded.scene, loaded.specimen.as_ref());
     match free() {

@@ -6,19 +6,18 @@
 mod check;
 mod compare;
 mod envelope;
-mod exit;
+pub mod exit;
 mod export;
 mod interrupt;
 mod list;
-mod memory;
+pub mod memory;
 mod new;
-mod own_findings;
+pub mod own_findings;
 mod peak_error;
-mod plot;
 mod progress;
 #[cfg(feature = "report")]
 mod report;
-mod resolve;
+pub mod resolve;
 mod resume;
 mod run;
 mod summary;
@@ -34,6 +33,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::run::app;
 
+use self::exit::Exit;
 use self::threads::on_threads;
 
 const EXAMPLES: &str = "\
@@ -44,7 +44,6 @@ Examples:
   clastic run uniaxial                          run it; results go to runs/uniaxial
   clastic report runs/uniaxial                  a page to look at it: animation, curves, key results
   clastic compare runs/a runs/b                 their curves in one picture
-  clastic plot runs/uniaxial --figure force-chains --out chains.pdf
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
   clastic resume runs/a --scene longer.ron      give a run that has ended more stages
@@ -87,8 +86,6 @@ enum Command {
     Sweep(SweepArgs),
     /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
     Envelope(EnvelopeArgs),
-    /// Draw a figure for a paper: curves, fields, force chains, roses (docs/figures.md)
-    Plot(plot::PlotArgs),
     /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
     Export(export::ExportArgs),
     /// Write a page for a browser: curves, animation and key results of a run, or curves and a
@@ -276,7 +273,7 @@ struct OutputArgs {
 /// Runs the `clastic` program with further plugins; `()` for none. The arguments are those of the
 /// process.
 pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
-    execute(Cli::parse().command, plugins)
+    execute(Cli::parse().command, &[], plugins).into()
 }
 
 /// Runs the command line with these arguments, of which the first is the name of the program. Wrong
@@ -285,10 +282,22 @@ pub fn call<M, T: Into<OsString> + Clone>(
     arguments: impl IntoIterator<Item = T>,
     plugins: impl Plugins<M> + Send,
 ) -> ExitCode {
-    execute(Cli::parse_from(arguments).command, plugins)
+    call_as(&[], arguments, plugins).into()
 }
 
-fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
+/// As [`call`], in a process whose executable is not this program, such as an interpreter. `program`
+/// are the words that begin this command line in another process, with which studies make their
+/// runs.
+pub fn call_as<M, T: Into<OsString> + Clone>(
+    program: &[OsString],
+    arguments: impl IntoIterator<Item = T>,
+    plugins: impl Plugins<M> + Send,
+) -> Exit {
+    execute(Cli::parse_from(arguments).command, program, plugins)
+}
+
+/// `words` begin this program in another process; none where its executable does.
+fn execute<M>(command: Command, words: &[OsString], plugins: impl Plugins<M> + Send) -> Exit {
     // An app cannot change threads.
     let program = || app(plugins);
     let done = match command {
@@ -299,19 +308,18 @@ fn execute<M>(command: Command, plugins: impl Plugins<M> + Send) -> ExitCode {
         Command::Check(args) => check::check(&args, &program()),
         Command::List => list::list(),
         Command::New { rig } => new::new(rig.as_deref()),
-        Command::Sweep(args) => sweep::sweep(&args, &program()),
-        Command::Envelope(args) => envelope::envelope(&args, &program()),
+        Command::Sweep(args) => sweep::sweep(&args, words, &program()),
+        Command::Envelope(args) => envelope::envelope(&args, words, &program()),
         Command::Export(args) => export::export(&args),
-        Command::Plot(args) => plot::plot(&args),
         #[cfg(feature = "report")]
         Command::Report { runs, out } => report::report(&runs, out),
         Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {
-        Ok(exit) => exit.into(),
+        Ok(exit) => exit,
         Err(failure) => {
             exit::complain(&failure.message);
-            failure.exit.into()
+            failure.exit
         }
     }
 }

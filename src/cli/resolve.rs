@@ -16,6 +16,9 @@ pub const SCENES: &str = "scenes";
 
 /// Path of a scene: a file, with or without its `.ron`, or the name of a scene in [`SCENES`] or of
 /// a shipped scene. A directory is never taken for a scene.
+///
+/// # Errors
+/// If there is no such scene; the message says where it was looked for.
 pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     if scene.exists() && !scene.is_dir() {
         return Ok(scene.to_owned());
@@ -48,6 +51,9 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
 }
 
 /// Scenes that can be run by name: those in [`SCENES`], and the shipped scenes with other names.
+///
+/// # Errors
+/// If [`SCENES`] cannot be read.
 pub fn scenes() -> io::Result<BTreeMap<String, PathBuf>> {
     let shipped = shipped::names().filter_map(|name| Some((name.to_owned(), shipped::path(name)?)));
     let mut scenes: BTreeMap<_, _> = shipped.collect();

@@ -1,4 +1,4 @@
-//! Frames for other programs: VTK XML for ParaView, and CSV. `docs/figures.md` has the fields.
+//! Frames for other programs: VTK XML for ParaView, and CSV. `docs/export.md` has the fields.
 
 mod tables;
 pub mod vtp;
@@ -6,8 +6,7 @@ pub mod vtp;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::figures::FigureError;
-use crate::figures::moment::Moment;
+use crate::moment::{Moment, MomentError};
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 
@@ -18,7 +17,7 @@ pub const KINDS: [&str; 6] = ["bodies", "contacts", "bonds", "walls", "cracks", 
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn vtk(moments: &[Moment], folder: &Path) -> Result<(), FigureError> {
+pub fn vtk(moments: &[Moment], folder: &Path) -> Result<(), MomentError> {
     fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
     let times = times(moments);
     let mut series = KINDS.map(|_| String::new());
@@ -47,7 +46,7 @@ pub fn vtk(moments: &[Moment], folder: &Path) -> Result<(), FigureError> {
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn csv(moments: &[Moment], folder: &Path) -> Result<(), FigureError> {
+pub fn csv(moments: &[Moment], folder: &Path) -> Result<(), MomentError> {
     fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
     for moment in moments {
         for (kind, data) in KINDS.into_iter().zip(tables::of(moment)) {

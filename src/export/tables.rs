@@ -5,7 +5,7 @@ use glam::DVec2;
 use clastic_components::bond::RuptureMode;
 
 use super::vtp::{Field, PolyData, Values};
-use crate::figures::moment::{Disk, Moment};
+use crate::moment::{Disk, Moment};
 
 /// Bodies, contacts, bonds, walls, cracks and membranes, in the order of [`super::KINDS`].
 pub fn of(moment: &Moment) -> [PolyData; 6] {
@@ -201,7 +201,7 @@ pub fn csv(data: &PolyData) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::figures::moment::tests::row_of_three;
+    use crate::moment::tests::row_of_three;
 
     #[test]
     fn every_kind_has_its_rows() {

@@ -64,13 +64,8 @@ pub fn begin(
     record.write(&dir.join(names::RUN))?;
     write_atomic(&dir.join(names::SCENE), &loaded.text)?;
     let probes = history::probes(&loaded.scene);
-    let mut header = history::header(&probes);
-    if loaded.scene.output.energy {
-        header.extend(history::ENERGY_COLUMNS.map(str::to_owned));
-    }
-    header.extend(history::measures(&loaded.scene));
     let tables = Tables {
-        history: CsvFile::begin(dir.join(names::HISTORY), history_file, header)?,
+        history: CsvFile::begin(dir.join(names::HISTORY), history_file, history::columns(&loaded.scene))?,
         events: CsvFile::create(dir.join(names::EVENTS), events::COLUMNS)?,
         avalanches: CsvFile::create(dir.join(names::AVALANCHES), avalanches::COLUMNS)?,
         timings: CsvFile::create(dir.join(names::TIMINGS), timings::COLUMNS)?,

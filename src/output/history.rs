@@ -88,7 +88,39 @@ pub fn measures(scene: &Scene) -> impl Iterator<Item = String> {
     scene.further_measures().map(|measure| measure.name.clone())
 }
 
-/// The row of an increment.
+/// All columns of the history of a scene.
+#[must_use]
+pub fn columns(scene: &Scene) -> Vec<String> {
+    let mut header = header(&probes(scene));
+    if scene.output.energy {
+        header.extend(ENERGY_COLUMNS.map(str::to_owned));
+    }
+    header.extend(measures(scene));
+    header
+}
+
+/// The row of the last increment of a world: its values of [`columns`]. `probes` are those of the
+/// scene.
+#[must_use]
+pub fn last_row(world: &World, probes: &[String]) -> Row {
+    let (ledger, readings) = (world.get_resource(), world.resource());
+    whole_row(world.resource(), ledger, readings, probes)
+}
+
+fn whole_row(
+    observation: &Observation,
+    ledger: Option<&EnergyLedger>,
+    readings: &Readings,
+    probes: &[String],
+) -> Row {
+    let mut row = row(observation, probes);
+    if let Some(ledger) = ledger {
+        row = row.numbers(energies(ledger));
+    }
+    row.optionals(readings.0.iter().copied())
+}
+
+/// The columns of an increment that every history has.
 #[must_use]
 pub fn row(o: &Observation, probes: &[String]) -> Row {
     let r = &o.residuals;
@@ -151,11 +183,8 @@ pub(super) fn write_wanted(
     if !wanted.row {
         return Ok(());
     }
-    let mut row = row(&observation, &run.probes);
-    if let Some(ledger) = ledger {
-        row = row.numbers(energies(&ledger));
-    }
-    run.tables.history.push(row.optionals(readings.0.iter().copied()))
+    let row = whole_row(&observation, ledger.as_deref(), &readings, &run.probes);
+    run.tables.history.push(row)
 }
 
 #[cfg(test)]

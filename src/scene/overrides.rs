@@ -2,7 +2,8 @@
 //!
 //! The text is edited instead of the values, so that comments survive and later messages still
 //! refer to places. A value is RON. A bare word counts as a string if only a string fits. A missing
-//! field is inserted together with the structs around it.
+//! field is inserted together with the structs around it, and the place after the last item of a
+//! list takes a new item.
 
 use std::fmt;
 
@@ -102,7 +103,15 @@ impl Place {
             return Ok(Self { span, before: String::new(), after: String::new() });
         };
         let parent = unwrapped(found.node);
+        let (at, comma) = match parent.entries.last() {
+            Some(last) => (last.value.span.end, ", "),
+            None => (parent.span.end.saturating_sub(1), ""),
+        };
         let absent = &steps[found.depth..];
+        // The place after the last item of a list takes a new item.
+        if parent.shape == Shape::List && *absent == [Step::Index(parent.entries.len())] {
+            return Ok(Self { span: at..at, before: comma.to_owned(), after: String::new() });
+        }
         let names: Option<Vec<&str>> = absent.iter().map(name_of).collect();
         let no_field = || nearest_paths(parent, text, &steps[..found.depth], next);
         let names = names.ok_or_else(no_field)?;
@@ -117,10 +126,6 @@ impl Place {
         if !fits {
             return Err(no_field());
         }
-        let (at, comma) = match parent.entries.last() {
-            Some(last) => (last.value.span.end, ", "),
-            None => (parent.span.end.saturating_sub(1), ""),
-        };
         let names: Vec<String> = match parent.shape {
             Shape::Map => names.iter().map(|name| format!("{name:?}: ")).collect(),
             _ => names.iter().map(|name| format!("{name}: ")).collect(),

@@ -9,7 +9,7 @@ mod commands;
 mod compare;
 mod dumps;
 mod exit_codes;
-mod figures;
+mod export;
 mod files;
 mod measures;
 mod new;

@@ -8,8 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use clastic::figures::fields;
-use clastic::figures::moment::Moment;
+use clastic::moment::{Moment, fields};
 use clastic::frames;
 use clastic::tables::Tables;
 use serde_json::Value;
@@ -145,7 +144,7 @@ fn a_reader_finds_what_the_engine_has() {
         assert_eq!(grain["fragment"], end.bodies.fragment[i]);
     }
 
-    // Strains are those of the figures, but for the steps of displacements.
+    // Strains are those of `moment::fields`, but for the steps of displacements.
     let moment = |frame| Moment::of_frame(frame);
     let before = &series[series.len() - 2];
     for (k, from) in [&start, before].into_iter().enumerate() {

@@ -6,6 +6,7 @@
 
 use std::collections::BTreeSet;
 use std::env;
+use std::ffi::OsString;
 use std::fs::File;
 use std::io::Read;
 use std::num::NonZero;
@@ -30,19 +31,22 @@ struct Running {
     _lock: File,
 }
 
-/// Makes the runs `wanted` and the preparations that they need, at most `jobs` at once. Returns
-/// whether it was interrupted. The runs under way then write a checkpoint, from which the next
-/// sweep continues.
+/// Makes the runs `wanted` and the preparations that they need, at most `jobs` at once, in processes
+/// that `words` begin, or this executable where there are none. Returns whether it was interrupted.
+/// The runs under way then write a checkpoint, from which the next sweep continues.
 pub fn run_all(
     sweep: &Sweep,
+    words: &[OsString],
     wanted: &[usize],
     jobs: Option<u32>,
     quiet: bool,
 ) -> Result<bool, Failure> {
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let jobs = jobs.map_or(cores, |jobs| jobs as usize);
-    let program = env::current_exe()
-        .map_err(|error| files(format!("cannot find the program itself: {error}")))?;
+    let program = match words {
+        [] => vec![itself()?],
+        words => words.to_vec(),
+    };
     let interrupt = Interrupt::listen();
     let mut waiting = tasks(sweep, wanted);
     let mut show = Show::new(quiet, waiting.len());
@@ -97,6 +101,14 @@ pub fn run_all(
     }
     show.end();
     Ok(interrupt.requested())
+}
+
+/// Path of this executable.
+fn itself() -> Result<OsString, Failure> {
+    let program = env::current_exe();
+    let program = program
+        .map_err(|error| files(format!("cannot find the program itself: {error}")))?;
+    Ok(program.into_os_string())
 }
 
 /// The runs, after the preparations that they need.

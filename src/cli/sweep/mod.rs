@@ -6,6 +6,7 @@ mod show;
 mod slurm;
 mod task;
 
+use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -41,7 +42,7 @@ pub struct Sweep {
 }
 
 /// Makes the runs of a study.
-pub fn sweep(args: &SweepArgs, app: &App) -> Result<Exit, Failure> {
+pub fn sweep(args: &SweepArgs, words: &[OsString], app: &App) -> Result<Exit, Failure> {
     let sweep = read(&args.study, args.out.as_deref(), app)?;
     if args.emit.is_some() {
         say(slurm::job_array(&args.study, &sweep, args.out.as_deref()))?;
@@ -57,7 +58,7 @@ pub fn sweep(args: &SweepArgs, app: &App) -> Result<Exit, Failure> {
         None => (0..sweep.plan.runs.len()).collect(),
     };
     let interrupted =
-        if args.collect { false } else { jobs::run_all(&sweep, &wanted, args.jobs, args.quiet)? };
+        !args.collect && jobs::run_all(&sweep, words, &wanted, args.jobs, args.quiet)?;
     let exit = collect::collect(&sweep)?;
     Ok(if interrupted { Exit::Interrupted } else { exit })
 }

@@ -1,5 +1,6 @@
 //! A run of a sweep as a process: what is to be done for it, and its start.
 
+use std::ffi::OsString;
 use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
@@ -111,7 +112,7 @@ impl Sweep {
     ///
     /// # Errors
     /// If its lock cannot be made, or no process can begin.
-    pub fn begin(&self, task: Task, program: &Path) -> Result<Begun, Failure> {
+    pub fn begin(&self, task: Task, program: &[OsString]) -> Result<Begun, Failure> {
         let planned = self.planned(task);
         let directory = self.directory(task);
         let path = self.folder.join(format!("{}.lock", planned.directory));
@@ -124,7 +125,8 @@ impl Sweep {
         if !lock(&guard) {
             return Ok(Begun::Busy);
         }
-        let mut command = Command::new(program);
+        let mut command = Command::new(&program[0]);
+        command.args(&program[1..]);
         match todo(&directory) {
             Todo::Nothing => return Ok(Begun::Done),
             Todo::Wait => return Ok(Begun::Busy),

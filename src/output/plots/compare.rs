@@ -49,6 +49,5 @@ fn chart(title: &str, y: String, lines: Vec<Line>) -> Option<Chart> {
         lines,
         second: None,
         equal: false,
-        window: None,
     })
 }

@@ -64,7 +64,6 @@ fn worked(title: &str, history: &History) -> Option<Chart> {
         lines: drives.iter().map(line).collect(),
         second: None,
         equal: false,
-        window: None,
     })
 }
 
@@ -91,7 +90,6 @@ fn moved(title: &str, history: &History) -> Option<Chart> {
         lines,
         second: None,
         equal: false,
-        window: None,
     })
 }
 

@@ -7,13 +7,11 @@ use glam::DVec2;
 /// Mean width of a letter over the size of the font. That of a wide sans-serif (DejaVu Sans), so
 /// that lines stay within the page with any font.
 const LETTER: f64 = 0.56;
-/// pt in a mm.
-const PT: f64 = 72.0 / 25.4;
 
 /// Size and letters of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Style {
-    /// Size of the font of labels, in units of the page: px, or pt of a printed page.
+    /// Size of the font of labels, px.
     pub font: f64,
     /// Maximum size of the drawing to scale, without margins and texts.
     pub fit: DVec2,
@@ -21,8 +19,6 @@ pub struct Style {
     pub narrowest: f64,
     /// Margin of the page.
     pub margin: f64,
-    /// Width of a printed page, mm; `None` for a screen, where the width follows the content.
-    pub width_mm: Option<f64>,
 }
 
 impl Style {
@@ -32,35 +28,15 @@ impl Style {
         fit: DVec2::new(900.0, 820.0),
         narrowest: 620.0,
         margin: 24.0,
-        width_mm: None,
     };
-
-    /// For a printed page of this width, with labels of `font` pt. What is drawn to scale is at
-    /// most 1.5 times as high as wide.
-    #[must_use]
-    pub fn print(width_mm: f64, font: f64) -> Self {
-        let (width, margin) = (width_mm * PT, 0.4 * font);
-        let fit = DVec2::new(width - 2.0 * margin, 1.5 * width);
-        Self { font, fit, narrowest: width, margin, width_mm: Some(width_mm) }
-    }
 
     /// Attributes of the root element for a page of this size.
     #[must_use]
     pub fn root(&self, size: DVec2) -> String {
-        let DVec2 { x, y } = size;
-        let (size, family) = match self.width_mm {
-            None => (format!("width=\"{x:.0}\" height=\"{y:.0}\""), "sans-serif"),
-            Some(_) => (
-                format!("width=\"{:.3}mm\" height=\"{:.3}mm\"", x / PT, y / PT),
-                "Liberation Sans, Arial, Helvetica, sans-serif",
-            ),
-        };
-        let (x, y) = if self.width_mm.is_some() { (x, y) } else { (x.round(), y.round()) };
+        let DVec2 { x, y } = size.round();
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" {size} viewBox=\"0 0 {} {}\" \
-             font-family=\"{family}\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n",
-            short(x),
-            short(y)
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{x}\" height=\"{y}\" \
+             viewBox=\"0 0 {x} {y}\" font-family=\"sans-serif\">\n<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n"
         )
     }
 }
@@ -123,13 +99,5 @@ mod tests {
         assert_eq!(wrapped("one two three", 10.0, width("one two", 10.0)), ["one two", "three"]);
         assert_eq!(wrapped("a verylongword b", 10.0, 20.0), ["a", "verylongword", "b"]);
         assert!(wrapped(" ", 10.0, 20.0).is_empty());
-    }
-
-    #[test]
-    fn a_printed_page_has_its_width() {
-        let style = Style::print(84.0, 8.0);
-        let root = style.root(DVec2::new(style.narrowest, 100.0));
-        assert!(root.contains("width=\"84.000mm\""), "{root}");
-        assert!(root.contains("viewBox=\"0 0 238.11 100\""), "{root}");
     }
 }

@@ -34,12 +34,8 @@ impl Sheet {
     /// Begins the picture of a specimen; `None` without disks. Title and caption may be empty.
     #[must_use]
     pub fn new(now: &Snapshot, title: &str, caption: &str) -> Option<Self> {
-        Some(Self::of_box(now.bounds()?, title, caption, Style::SCREEN))
-    }
-
-    /// Begins a picture of the rectangle between two corners, m.
-    #[must_use]
-    pub fn of_box((low, high): (DVec2, DVec2), title: &str, caption: &str, style: Style) -> Self {
+        let style = Style::SCREEN;
+        let (low, high) = now.bounds()?;
         let size = (high - low).max(DVec2::splat(f64::MIN_POSITIVE));
         let scale = (style.fit / size).min_element();
         let (margin, font) = (style.margin, style.font);
@@ -66,7 +62,8 @@ impl Sheet {
         );
         // Walls may reach to the edge of the clip.
         let bottom = corner.y + size.y + 0.5 * margin;
-        Self { svg, scale, style, width, bottom, corner, origin: DVec2::new(low.x, high.y) }
+        let origin = DVec2::new(low.x, high.y);
+        Some(Self { svg, scale, style, width, bottom, corner, origin })
     }
 
     /// Position of a point on the page.
@@ -200,7 +197,7 @@ impl Sheet {
     }
 
     /// Adds a line of text below the drawing so far, in as many lines as it needs.
-    pub fn note(&mut self, what: &str) {
+    fn note(&mut self, what: &str) {
         let (font, margin) = (self.style.font, self.style.margin);
         for line in page::wrapped(what, font, self.width - 2.0 * margin) {
             let at = DVec2::new(margin, self.below(0.4 * font) + 0.85 * font);

@@ -42,7 +42,6 @@ pub fn mohr(strengths: &[Strength], title: &str) -> Chart {
         lines,
         second: None,
         equal: true,
-        window: None,
     }
 }
 

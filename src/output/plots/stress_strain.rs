@@ -32,7 +32,6 @@ pub fn stress(title: &str, history: &History) -> Option<Chart> {
         lines,
         second: broken(history),
         equal: false,
-        window: None,
     })
 }
 
@@ -72,6 +71,5 @@ pub fn volumetric(title: &str, history: &History) -> Option<Chart> {
         lines: vec![line],
         second: None,
         equal: false,
-        window: None,
     })
 }

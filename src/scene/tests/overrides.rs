@@ -54,6 +54,16 @@ fn a_map_entry_is_inserted() {
 }
 
 #[test]
+fn the_place_after_the_last_item_takes_a_new_one() {
+    let more = ["stages[1]=Load(name: \"more\", increments: 3)", "stages.more.increments=4"];
+    let stages = read(SMALL, &more).unwrap().scene.stages;
+    assert_eq!(stages.len(), 2);
+    assert!(matches!(&stages[1], Stage::Load(load) if load.increments == 4));
+    let gap = ["stages[2]=Load(name: \"more\", increments: 3)"];
+    assert!(matches!(read(SMALL, &gap), Err(LoadError::Set(_))));
+}
+
+#[test]
 fn a_bare_word_is_a_text_where_only_a_text_fits() {
     let loaded = read(SMALL, &["title=A title, (unbalanced", "specimen[0].group=low"]).unwrap();
     assert_eq!(loaded.scene.title, "A title, (unbalanced");

@@ -8,7 +8,6 @@ use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Chart;
-use super::clip::clipped;
 use super::legend::{LEGEND_ROW, SAMPLE, arranged, rows};
 use super::ranges::{equal, range, thin};
 use super::ticks::{self, tick};
@@ -17,8 +16,6 @@ use crate::output::plots::page::{self, Style};
 /// Size on a screen, and the size of its font.
 const SIZE: (f64, f64) = (760.0, 520.0);
 const FONT: f64 = 13.0;
-/// Height over width of a printed chart.
-const ASPECT: f64 = 0.72;
 /// Plotters draws on whole pixels, which shows as steps in a straight line, so the drawing is
 /// magnified.
 const ZOOM: f64 = 8.0;
@@ -55,13 +52,6 @@ struct Measures {
 }
 
 impl Measures {
-    fn of(style: &Style) -> Self {
-        if style.width_mm.is_none() {
-            return Self { page: SIZE, font: FONT };
-        }
-        Self { page: (style.narrowest, ASPECT * style.narrowest), font: style.font }
-    }
-
     /// Width between the axes, in sizes of the font.
     fn wide(&self, is_second: bool) -> f64 {
         let right = if is_second { SECOND } else { MARGIN };
@@ -86,14 +76,9 @@ impl Measures {
 
 impl Chart {
     /// Draws the chart.
-    pub(super) fn drawn(&self, style: &Style) -> io::Result<String> {
+    pub(super) fn drawn(&self) -> io::Result<String> {
         let mut text = String::new();
-        let mut measures = Measures::of(style);
-        if style.width_mm.is_some() {
-            // The page grows with the legend, and the curves keep their height.
-            let legend = arranged(self.legend(1), measures.wide(self.second.is_some()));
-            measures.page.1 += rows(&legend) * LEGEND_ROW * measures.font;
-        }
+        let measures = Measures { page: SIZE, font: FONT };
         let size = measures.size();
         {
             let root = SVGBackend::with_string(&mut text, size);
@@ -104,7 +89,7 @@ impl Chart {
         let body = text.split_once('>').map_or("", |(_, body)| body);
         let body =
             body.strip_suffix("</svg>\n").unwrap_or(body).replace("\"sans-serif\"", "\"inherit\"");
-        let root = style.root(measures.page.into());
+        let root = Style::SCREEN.root(measures.page.into());
         Ok(format!("{root}<g transform=\"scale({})\">{body}</g>\n</svg>\n", ZOOM.recip()))
     }
 
@@ -167,26 +152,14 @@ impl Chart {
         let y = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
         // Without the labels of the axes, as below.
         let high = f64::from(area.dim_in_pixel().1) / f64::from(m.em(1.0)) - 2.0 * MARGIN - BOTTOM;
-        let (x, y) = match self.window {
-            Some([[x0, y0], [x1, y1]]) => (x0..x1, y0..y1),
-            None if self.equal => equal(x, y, wide / high),
-            None => (x, y),
-        };
+        let (x, y) = if self.equal { equal(x, y, wide / high) } else { (x, y) };
         let mut builder = ChartBuilder::on(&area);
         builder
             .margin(m.em(MARGIN))
             .x_label_area_size(m.em(BOTTOM))
             .y_label_area_size(m.em(LEFT))
             .right_y_label_area_size(m.em(right));
-        let second = self.second.clone().unwrap_or_default();
-        let inside = |p: &&(f64, f64)| x.contains(&p.0) || p.0 == x.end;
-        let second_range = range(second.points.iter().filter(inside).map(|p| p.1));
-        let cut = |points: &[(f64, f64)], y: &std::ops::Range<f64>| match self.window {
-            Some(_) => clipped(points, &x, y),
-            None => vec![thin(points).collect()],
-        };
-        let pieces: Vec<_> = self.lines.iter().map(|line| cut(&line.points, &y)).collect();
-        let second_pieces = cut(&second.points, &second_range);
+        let second_range = range(self.second.iter().flat_map(|line| &line.points).map(|p| p.1));
         let span = |r: &std::ops::Range<f64>| r.end - r.start;
         let (x_span, y_span, second_span) = (span(&x), span(&y), span(&second_range));
         let x_labels = ticks::beside(&x, wide);
@@ -208,10 +181,8 @@ impl Chart {
             .x_label_formatter(&|v| tick(*v, x_span))
             .y_label_formatter(&|v| tick(*v, y_span))
             .draw()?;
-        for (pieces, style) in pieces.into_iter().zip(self.styles(line)) {
-            for piece in pieces {
-                chart.draw_series(LineSeries::new(piece, style))?;
-            }
+        for (line, style) in self.lines.iter().zip(self.styles(line)) {
+            chart.draw_series(LineSeries::new(thin(&line.points), style))?;
         }
         if let Some(second) = &self.second {
             chart
@@ -225,9 +196,7 @@ impl Chart {
                 .y_label_formatter(&|v| tick(*v, second_span))
                 .draw()?;
             let style = SECONDARY.stroke_width(line / 2);
-            for piece in second_pieces {
-                chart.draw_secondary_series(LineSeries::new(piece, style))?;
-            }
+            chart.draw_secondary_series(LineSeries::new(thin(&second.points), style))?;
         }
         root.present()
     }

@@ -1,8 +1,6 @@
 //! Line charts in a common style.
 
 #[cfg(feature = "plots")]
-mod clip;
-#[cfg(feature = "plots")]
 mod draw;
 #[cfg(feature = "plots")]
 mod legend;
@@ -12,8 +10,6 @@ mod ranges;
 mod ticks;
 
 use std::io;
-
-use super::page::Style;
 
 /// A line of a chart.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,28 +37,16 @@ pub struct Chart {
     pub second: Option<Line>,
     /// Whether one length on the two axes is one value.
     pub equal: bool,
-    /// Lower left and upper right corner of the visible part, in values of the axes; `None` shows
-    /// all.
-    pub window: Option<[[f64; 2]; 2]>,
 }
 
 impl Chart {
-    /// The chart as SVG, for a screen.
+    /// The chart as SVG.
     ///
     /// # Errors
     /// If the chart cannot be drawn, as in a build without the feature `plots`.
     pub fn svg(&self) -> io::Result<String> {
-        self.svg_in(&Style::SCREEN)
-    }
-
-    /// The chart as SVG.
-    ///
-    /// # Errors
-    /// As [`svg`](Self::svg).
-    #[cfg_attr(not(feature = "plots"), allow(unused_variables))]
-    pub fn svg_in(&self, style: &Style) -> io::Result<String> {
         #[cfg(feature = "plots")]
-        return self.drawn(style);
+        return self.drawn();
         #[cfg(not(feature = "plots"))]
         Err(io::Error::new(
             io::ErrorKind::Unsupported,

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use glam::{DMat2, DVec2};
 
 use super::mesh::triangles;
-use super::moment::{Disk, Moment};
+use super::{Disk, Moment};
 
 /// Displacement of every disk of `now` since `from`, m; `None` for disks that were not there.
 #[must_use]

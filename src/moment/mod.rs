@@ -1,13 +1,32 @@
-//! The state of a run at one moment, as figures and exports need it.
+//! The state of a run at one moment, from its frames, as exports need it, and fields between two
+//! moments.
 
-use std::collections::BTreeMap;
+pub mod fields;
+mod frames;
+pub mod mesh;
+pub mod run;
 
 use clastic_components::bond::RuptureMode;
 use clastic_components::cell;
 use glam::DVec2;
 
+use crate::frames::FrameError;
+use crate::output::OutputError;
 use crate::output::crack::Crack;
-use crate::output::snapshot::Snapshot;
+
+/// Why a run has no such moment.
+#[derive(Debug, thiserror::Error)]
+pub enum MomentError {
+    /// The run has no frame of the moment.
+    #[error("{0}")]
+    Absent(String),
+    /// A file cannot be read or written.
+    #[error(transparent)]
+    Output(#[from] OutputError),
+    /// A frame cannot be read.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
 
 /// A disk.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -138,14 +157,6 @@ impl Moment {
         point + self.cell.map_or(DVec2::ZERO, |cell| cell::shift(cell, point - from))
     }
 
-    /// Sides of the periodic cell, m.
-    fn sides(&self) -> Vec<[DVec2; 2]> {
-        let Some([width, height, tilt]) = self.cell else { return Vec::new() };
-        let (x, y) = (DVec2::new(width, 0.0), DVec2::new(tilt, height));
-        let corners = [DVec2::ZERO, x, x + y, y, DVec2::ZERO];
-        corners.windows(2).map(|ends| [ends[0], ends[1]]).collect()
-    }
-
     /// Point of a wall that is nearest to a point, m.
     fn foot(&self, point: DVec2, wall: u32) -> Option<DVec2> {
         let feet = self.walls.iter().filter(|piece| piece.id == wall).map(|piece| {
@@ -174,42 +185,6 @@ impl Moment {
             Some((link.id, crack))
         };
         self.bonds.iter().filter_map(crack).collect()
-    }
-
-    /// Fragment of every disk, numbered by size from 0, those of one size by their first disk, and
-    /// the sizes.
-    #[must_use]
-    pub fn fragments(&self) -> (Vec<usize>, Vec<usize>) {
-        let mut sizes: BTreeMap<u32, usize> = BTreeMap::new();
-        for disk in &self.disks {
-            *sizes.entry(disk.fragment).or_default() += 1;
-        }
-        let mut order: Vec<(u32, usize)> = sizes.into_iter().collect();
-        order.sort_by_key(|(first, size)| (std::cmp::Reverse(*size), *first));
-        let ranks: BTreeMap<u32, usize> =
-            order.iter().enumerate().map(|(rank, (first, _))| (*first, rank)).collect();
-        let of_disks = self.disks.iter().map(|disk| ranks[&disk.fragment]).collect();
-        (of_disks, order.into_iter().map(|(_, size)| size).collect())
-    }
-
-    /// What pictures of a run draw of it.
-    #[must_use]
-    pub fn snapshot(&self) -> Snapshot {
-        let ends = |line: bool| -> Vec<_> {
-            let pieces = self.walls.iter().filter(|piece| piece.is_line == line);
-            pieces.map(|piece| piece.ends).collect()
-        };
-        Snapshot {
-            ids: self.disks.iter().map(|disk| disk.id).collect(),
-            positions: self.disks.iter().map(|disk| disk.position).collect(),
-            radii: self.disks.iter().map(|disk| disk.radius).collect(),
-            rotations: self.disks.iter().map(|disk| disk.rotation).collect(),
-            displacements: self.disks.iter().map(|disk| disk.displacement).collect(),
-            walls: ends(true),
-            plates: ends(false).into_iter().chain(self.sides()).collect(),
-            cracks: self.cracks().into_iter().map(|(_, crack)| crack).collect(),
-            membranes: self.membranes.clone(),
-        }
     }
 }
 
@@ -255,15 +230,6 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn fragments_are_ranked_by_size() {
-        let mut moment = row_of_three();
-        for (disk, fragment) in moment.disks.iter_mut().zip([0, 1, 1]) {
-            disk.fragment = fragment;
-        }
-        assert_eq!(moment.fragments(), (vec![1, 0, 0], vec![2, 1]));
-    }
-
-    #[test]
     fn a_pair_across_the_side_of_a_cell_ends_at_the_near_image() {
         let mut moment = row_of_three();
         assert_eq!(moment.far_end(0, 2), Some(DVec2::new(4.0, 1.0)));
@@ -273,7 +239,6 @@ pub(crate) mod tests {
         // One row up the images are moved by the tilt.
         moment.disks[1].position = DVec2::new(1.5, 4.0);
         assert_eq!(moment.far_end(0, 1), Some(DVec2::new(0.5, 1.0)));
-        assert_eq!(moment.snapshot().plates.len(), 4);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use clastic_components::bond::RuptureMode;
 use glam::DVec2;
 
-use super::moment::{Disk, Link, Moment, Pair, Piece};
+use super::{Disk, Link, Moment, Pair, Piece};
 use crate::frames::{Frame, NONE};
 
 impl Moment {

@@ -1,11 +1,8 @@
-//! A run directory that figures are made of.
+//! The moments of a run directory.
 
 use std::path::{Path, PathBuf};
 
-use glam::DVec2;
-
-use super::FigureError;
-use super::moment::Moment;
+use super::{Moment, MomentError};
 use crate::frames::Frame;
 use crate::output::drive::Drive;
 use crate::output::plots::history::History;
@@ -63,12 +60,6 @@ pub struct Listed {
 pub struct Run {
     /// Its directory.
     pub directory: PathBuf,
-    /// Name in legends.
-    pub name: String,
-    /// Title of the scene.
-    pub title: String,
-    /// Content of `run.json`.
-    pub record: serde_json::Value,
     /// Its history.
     pub history: History,
 }
@@ -78,22 +69,15 @@ impl Run {
     ///
     /// # Errors
     /// If it has no run.
-    pub fn open(directory: &Path, name: String) -> Result<Self, OutputError> {
-        let record = directory::record(directory)?;
-        Ok(Self {
-            directory: directory.to_owned(),
-            name,
-            title: record["title"].as_str().unwrap_or_default().to_owned(),
-            history: History::of_run(directory)?,
-            record,
-        })
+    pub fn open(directory: &Path) -> Result<Self, OutputError> {
+        Ok(Self { directory: directory.to_owned(), history: History::of_run(directory)? })
     }
 
     /// The state at a moment.
     ///
     /// # Errors
     /// If the run has no frame of it; the message lists those that it has.
-    pub fn at(&self, at: &At) -> Result<Moment, FigureError> {
+    pub fn at(&self, at: &At) -> Result<Moment, MomentError> {
         let frames = self.directory.join(directory::FRAMES);
         let path = match at {
             At::Start => frames.join(directory::FRAME_START),
@@ -125,7 +109,7 @@ impl Run {
     ///
     /// # Errors
     /// If a frame cannot be read.
-    pub fn list(&self) -> Result<Vec<Listed>, FigureError> {
+    pub fn list(&self) -> Result<Vec<Listed>, MomentError> {
         let mut list: Vec<Listed> = Vec::new();
         for path in crate::frames::list(&self.directory)? {
             let frame = Frame::read(&path)?;
@@ -163,12 +147,12 @@ impl Run {
     ///
     /// # Errors
     /// If one cannot be read.
-    pub fn all(&self) -> Result<Vec<Moment>, FigureError> {
+    pub fn all(&self) -> Result<Vec<Moment>, MomentError> {
         let frames = crate::frames::series(&self.directory)?;
         Ok(frames.iter().map(Moment::of_frame).collect())
     }
 
-    fn no_frame(&self, of: &str, all: &[Moment]) -> FigureError {
+    fn no_frame(&self, of: &str, all: &[Moment]) -> MomentError {
         let mut numbers: Vec<_> = all.iter().map(|moment| moment.increment.to_string()).collect();
         if numbers.len() > 20 {
             numbers.splice(10..numbers.len() - 10, ["...".to_owned()]);
@@ -177,36 +161,6 @@ impl Run {
             true => "it has none; run the scene again with this clastic".to_owned(),
             false => format!("it has frames of the increments {}", numbers.join(", ")),
         };
-        FigureError::Absent(format!("{}: no frame of {of}; {kept}", self.directory.display()))
-    }
-
-    /// Normals and modes (0 tension, 1 shear, 2 rolling) of bonds that broke up to an increment.
-    ///
-    /// # Errors
-    /// If `events.csv` cannot be read.
-    pub fn ruptures(&self, until: u64) -> Result<Vec<(DVec2, usize)>, FigureError> {
-        let path = self.directory.join(directory::EVENTS);
-        let mut reader = csv::Reader::from_path(&path).map_err(OutputError::at(&path))?;
-        let header = reader.headers().map_err(OutputError::at(&path))?.clone();
-        let column = |name: &str| header.iter().position(|field| field == name);
-        let columns = ["increment", "mode", "normal_x", "normal_y"].map(column);
-        let [Some(increment), Some(mode), Some(x), Some(y)] = columns else {
-            let what = format!("{}: a column is missing", path.display());
-            return Err(FigureError::Absent(what));
-        };
-        let mut list = Vec::new();
-        for row in reader.records() {
-            let row = row.map_err(OutputError::at(&path))?;
-            let number = |k: usize| row.get(k).and_then(|field| field.parse::<f64>().ok());
-            let mode =
-                ["tension", "shear", "rolling"].iter().position(|m| row.get(mode) == Some(m));
-            if let (Some(at), Some(x), Some(y), Some(mode)) =
-                (number(increment), number(x), number(y), mode)
-                && at <= until as f64
-            {
-                list.push((DVec2::new(x, y), mode));
-            }
-        }
-        Ok(list)
+        MomentError::Absent(format!("{}: no frame of {of}; {kept}", self.directory.display()))
     }
 }

@@ -1,0 +1,50 @@
+"""clastic: simulation of cemented granular materials.
+
+===========================  =================================================================
+``run``, ``resume``          a scene into a directory of results, as the program does
+``check``                    the mistakes of a scene
+``Simulation``               a scene that Python steps and changes
+``open``                     the results of a run as tables and arrays
+``figures``                  figures for papers
+``sweep``, ``envelope``      many runs, one table
+``calibrate``                parameters of grains and bonds from targets of the specimen
+===========================  =================================================================
+
+Units are SI; compression, contraction and anticlockwise rotation are positive.
+"""
+
+from . import figures
+from ._engine import __version__
+from .calibration import Calibration, Parameter, Target, calibrate
+from .errors import RunError, RunWarning, SceneError
+from .frame import STATES, Fabric, Frame
+from .results import Run, open
+from .run import check, resume, run
+from .simulation import Simulation, State
+from .studies import Envelope, Study, envelope, sweep
+
+__all__ = [
+    "STATES",
+    "Calibration",
+    "Envelope",
+    "Fabric",
+    "Frame",
+    "Parameter",
+    "Run",
+    "RunError",
+    "RunWarning",
+    "SceneError",
+    "Simulation",
+    "State",
+    "Study",
+    "Target",
+    "__version__",
+    "calibrate",
+    "check",
+    "envelope",
+    "figures",
+    "open",
+    "resume",
+    "run",
+    "sweep",
+]

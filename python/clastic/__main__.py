@@ -1,0 +1,19 @@
+"""The program ``clastic``: ``clastic ARGUMENTS`` or ``python -m clastic ARGUMENTS``."""
+
+from __future__ import annotations
+
+import sys
+
+from . import _engine
+
+#: Words that begin the program in another process.
+WORDS = [sys.executable, "-m", "clastic"]
+
+
+def main() -> None:
+    """Runs the program with the arguments of this process."""
+    sys.exit(_engine.call(WORDS, ["clastic", *sys.argv[1:]]))
+
+
+if __name__ == "__main__":
+    main()

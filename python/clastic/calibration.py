@@ -1,0 +1,2 @@
+"""placeholder"""
+Calibration = Parameter = Target = calibrate = None

@@ -1,0 +1,101 @@
+//! What figures read from the directory of a run, by the code of the program.
+
+use std::path::PathBuf;
+
+use clastic::moment::{Disk, Moment, fields};
+use clastic::output::directory;
+use clastic::output::drive::Drive;
+use clastic::output::marks::marks as marks_of;
+use clastic::output::plots::history::History;
+use clastic::study::strength::{MohrCoulomb, Strength};
+use glam::DVec2;
+use numpy::{PyReadonlyArray1, PyReadonlyArray2};
+use pyo3::exceptions::{PyOSError, PyValueError};
+use pyo3::prelude::*;
+
+use crate::arrays::shaped;
+
+/// Disks of a frame: identities, places, radii, and displacements since the start of the run.
+type Disks<'py> = (
+    PyReadonlyArray1<'py, u32>,
+    PyReadonlyArray2<'py, f64>,
+    PyReadonlyArray1<'py, f64>,
+    PyReadonlyArray2<'py, f64>,
+);
+
+fn moment((ids, places, radii, moved): &Disks) -> PyResult<Moment> {
+    let (ids, places) = (ids.as_slice()?, places.as_array());
+    let (radii, moved) = (radii.as_slice()?, moved.as_array());
+    let n = ids.len();
+    if places.dim() != (n, 2) || moved.dim() != (n, 2) || radii.len() != n {
+        return Err(PyValueError::new_err("the arrays of a frame have different lengths"));
+    }
+    let disk = |k: usize| Disk {
+        id: ids[k],
+        position: DVec2::new(places[[k, 0]], places[[k, 1]]),
+        radius: radii[k],
+        displacement: DVec2::new(moved[[k, 0]], moved[[k, 1]]),
+        ..Disk::default()
+    };
+    Ok(Moment { disks: (0..n).map(disk).collect(), ..Moment::default() })
+}
+
+/// Volumetric and maximum shear strain of every disk between two frames, an array (n, 2). Not a
+/// number where a disk has none.
+#[pyfunction]
+pub fn strains<'py>(
+    py: Python<'py>,
+    now: Disks<'py>,
+    from: Disks<'py>,
+) -> PyResult<Bound<'py, PyAny>> {
+    let strains = fields::strains(&moment(&now)?, &moment(&from)?);
+    let n = strains.len();
+    let pair = |strain: Option<fields::Strain>| {
+        strain.map_or([f64::NAN; 2], |strain| [strain.volumetric, strain.shear])
+    };
+    shaped(py, strains.into_iter().flat_map(pair).collect(), &[n, 2])
+}
+
+fn history(run: &PathBuf) -> PyResult<History> {
+    History::of_run(run).map_err(|error| PyOSError::new_err(error.to_string()))
+}
+
+/// Points (n, 2) of a column of the history against the axial strain, from the initial state on.
+#[pyfunction]
+pub fn curve<'py>(py: Python<'py>, run: PathBuf, column: &str) -> PyResult<Bound<'py, PyAny>> {
+    let points = history(&run)?.curve(column);
+    let n = points.len();
+    shaped(py, points.into_iter().flat_map(|(x, y)| [x, y]).collect(), &[n, 2])
+}
+
+/// The probes on which the outside world works: name, direction, and points (n, 3) of increment,
+/// motion (m, rad) and force (N, N m), both positive in the direction.
+#[pyfunction]
+pub fn drives<'py>(
+    py: Python<'py>,
+    run: PathBuf,
+) -> PyResult<Vec<(String, String, Bound<'py, PyAny>)>> {
+    let drives = Drive::all(&history(&run)?).into_iter().map(|drive| {
+        let n = drive.points.len();
+        let rows = drive.points.iter().flat_map(|p| [p.increment as f64, p.motion, p.force]);
+        let points = shaped(py, rows.collect(), &[n, 3])?;
+        Ok((drive.probe, drive.direction.to_owned(), points))
+    });
+    drives.collect()
+}
+
+/// Reasons to doubt a run.
+#[pyfunction]
+pub fn marks(run: PathBuf) -> PyResult<Vec<String>> {
+    let record = directory::record(&run).map_err(|e| PyOSError::new_err(e.to_string()))?;
+    Ok(marks_of(&record))
+}
+
+/// Cohesion (Pa) and friction angle (degrees) of pairs of confining stress and peak, Pa.
+#[pyfunction]
+pub fn mohr_coulomb(strengths: Vec<(f64, f64)>) -> PyResult<(f64, f64)> {
+    let strengths: Vec<_> =
+        strengths.into_iter().map(|(confining, peak)| Strength { confining, peak }).collect();
+    let fit = MohrCoulomb::fit(&strengths).map_err(PyValueError::new_err)?;
+    Ok((fit.cohesion, fit.friction_angle))
+}
