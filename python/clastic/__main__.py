@@ -5,9 +5,7 @@ from __future__ import annotations
 import sys
 
 from . import _engine
-
-#: Words that begin the program in another process.
-WORDS = [sys.executable, "-m", "clastic"]
+from .program import WORDS
 
 
 def main() -> None:

@@ -102,7 +102,9 @@ class Run:
     def _table(self, name: str) -> pandas.DataFrame:
         import pandas
 
-        return pandas.read_csv(self.path / name, float_precision="round_trip")
+        # Python reads numbers to the bit.
+        table = pandas.read_csv(self.path / name, dtype=str, keep_default_na=False)
+        return pandas.DataFrame({column: _numbers(table[column].to_numpy()) for column in table})
 
     def curve(self, column: str) -> np.ndarray:
         """A column of the history against the axial strain, shape (k, 2), from the initial state of
@@ -190,6 +192,16 @@ class Run:
             axes.figure.savefig(file, format="png")
             figures.close(axes)
         return file.getvalue()
+
+
+def _numbers(fields: np.ndarray) -> np.ndarray:
+    """Whole numbers, numbers with NaN for an empty field, or texts."""
+    for read in (int, lambda field: float(field) if field else np.nan):
+        try:
+            return np.array([read(field) for field in fields], float if read is not int else np.int64)
+        except ValueError:
+            continue
+    return fields
 
 
 def open(path: str | os.PathLike[str]) -> Run:

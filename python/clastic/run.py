@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import warnings
 from pathlib import Path
 from typing import Any
 
 from . import _engine
-from .__main__ import WORDS
 from ._progress import Progress
 from ._scene import Scene, Settings, settings, source
-from .errors import RunError, RunWarning
+from .errors import RunWarning
+from .program import call
 from .results import Run
 
 
@@ -118,38 +116,5 @@ def resume(
         arguments += ["--set", setting]
     if scene is not None:
         arguments += ["--scene", os.fspath(scene)]
-    program(arguments, quiet=progress is False)
+    call(arguments, quiet=progress is False)
     return Run(path)
-
-
-def program(arguments: list[str], quiet: bool = False, also: tuple[int, ...] = (4,)) -> str:
-    """Calls the program in a process of its own and returns what it says. ``also`` are exit codes
-    that are no failure, besides 0.
-    """
-    words = [*WORDS, *arguments, *(["--quiet"] if quiet else [])]
-    # Its progress is shown as it comes; its messages are kept for an exception.
-    process = subprocess.Popen(
-        words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
-    )
-    said: list[str] = []
-    import threading
-
-    def show() -> None:
-        for line in process.stderr or ():
-            said.append(line)
-            if not quiet:
-                print(line, end="", file=sys.stderr, flush=True)
-
-    reader = threading.Thread(target=show, daemon=True)
-    reader.start()
-    try:
-        out = process.stdout.read() if process.stdout else ""
-        code = process.wait()
-    except KeyboardInterrupt:
-        # Ctrl-C has reached the process too: it writes its checkpoint.
-        process.wait()
-        raise
-    reader.join()
-    if code not in (0, *also):
-        raise RunError("".join(said).strip() or f"the program ended with {code}")
-    return out

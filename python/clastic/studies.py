@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import _engine
 from ._scene import Settings, _nested, settings, source
+from .program import call
 from .results import Run
-from .run import program
 
 if TYPE_CHECKING:
     import pandas
@@ -139,7 +139,7 @@ def _of_text(text: str, folder: Path, jobs: int | None, progress: bool) -> Study
 def _swept(file: str, folder: Path, jobs: int | None, progress: bool) -> Study:
     arguments = ["sweep", file, "--out", str(folder)]
     arguments += ["--jobs", str(jobs)] if jobs else []
-    program(arguments, quiet=not progress)
+    call(arguments, quiet=not progress)
     return Study(folder)
 
 
@@ -179,5 +179,5 @@ def envelope(
         arguments += ["--set", setting]
     arguments += ["--prepare", os.fspath(prepare)] if prepare else []
     arguments += ["--jobs", str(jobs)] if jobs else []
-    program(arguments, quiet=not progress)
+    call(arguments, quiet=not progress)
     return Envelope(folder)

@@ -14,6 +14,7 @@ use clastic::prelude::{ClasticHalted, Step};
 use clastic::run::stages::Script;
 use clastic::run::state::StateView;
 use clastic::run::{self, Outcome, changes, sanity};
+use clastic::scene::format::Stage;
 use clastic::scene::spans::Spans;
 use clastic::scene::{LoadedScene, from_str, from_str_with, load_with};
 use clastic::systems::gather_bodies::gather_bodies;
@@ -156,12 +157,18 @@ impl Model {
         }
         let spans = Spans::of(&self.loaded.text);
         let place = (0..).find(|k| spans.value(&format!("stages[{k}]")).is_none());
-        let set = format!("stages[{}]={stage}", place.unwrap_or_default());
+        let mut sets = vec![format!("stages[{}]={stage}", place.unwrap_or_default())];
+        let scene = &self.loaded.scene;
+        let reference = scene.stages.get(scene.reference_stage()).map(Stage::name);
+        // By default strains count from the last stage, which is another one from here on.
+        if let (None, Some(name)) = (&scene.reference_stage, reference) {
+            sets.push(format!("reference_stage={name:?}"));
+        }
         let state = self.simulation.state()?;
         let view = StateView::of(&state)?;
         let text = self.loaded.text.clone();
         let (name, stored) = (self.loaded.path.clone(), view.specimen.clone());
-        let loaded = from_str_with(&text, &name, stored, &[set])?;
+        let loaded = from_str_with(&text, &name, stored, &sets)?;
         let refused = changes::refused(&self.loaded.scene, &loaded.scene, &view);
         if !refused.is_empty() {
             return Err(Error::Value(refused.join("\n")));

@@ -62,8 +62,13 @@ def stress_strain(*runs: Run, ax: Axes | None = None, bonds: bool = True) -> Axe
             ax.second.tick_params(axis="y", colors=SECOND)
             ax.second.set_ylim(bottom=0)
         if len(curves) > 1:
-            ax.legend(loc="best")
+            _legend_above(ax, 2)
     return ax
+
+
+def _legend_above(ax: Axes, columns: int) -> None:
+    """A legend that hides no curve, of any of the axes."""
+    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns)
 
 
 def _broken(run: Run) -> np.ndarray | None:
@@ -86,7 +91,7 @@ def volumetric(*runs: Run, ax: Axes | None = None) -> Axes:
         ax.set(xlabel=STRAIN, ylabel="volumetric strain (%)")
         ax.margins(x=0.02)
         if len(runs) > 1:
-            ax.legend(loc="best")
+            _legend_above(ax, 2)
     return ax
 
 
@@ -119,10 +124,13 @@ def force_displacement(*runs: Run, ax: Axes | None = None) -> Axes:
                 parts += [direction] if len(directions) > 1 else []
                 ax.plot(p[:, 1] / size, p[:, 2] / force_size, label=", ".join(parts))
         what, force = ("rotation", "moment") if turns == {True} else ("displacement", "force")
-        along = f" {directions.pop()}" if len(directions) == 1 else ""
+        along = f" along {directions.pop()}" if len(directions) == 1 else ""
         ax.set(xlabel=f"{what}{along} ({unit})", ylabel=f"{force} ({force_unit})")
+        # Two platens often have one curve.
+        for line, shape in zip(ax.lines[1:], ("--", ":", "-.")):
+            line.set_linestyle(shape)
         if len(points) > 1:
-            ax.legend(loc="best")
+            _legend_above(ax, 2)
     return ax
 
 
@@ -156,7 +164,7 @@ def energies(run: Run, ax: Axes | None = None) -> Axes:
             ax.plot(factor * x, y / size, label=name, ls=styles[k // 8])
         ax.set(xlabel=label, ylabel=f"energy ({unit})")
         ax.margins(x=0.02)
-        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3)
+        _legend_above(ax, 3)
     return ax
 
 
@@ -197,7 +205,7 @@ def fabric(run: Run, ax: Axes | None = None) -> Axes:
         ax.second.set_ylabel("coordination $2N_c/N$", color=SECOND)
         ax.second.tick_params(axis="y", colors=SECOND)
         ax.second.margins(y=0.2)
-        ax.legend(loc="best")
+        _legend_above(ax, 2)
     return ax
 
 
@@ -250,5 +258,5 @@ def mohr(*runs: Run, ax: Axes | None = None) -> Axes:
         ax.set(xlabel=f"normal stress ({unit})", ylabel=f"shear stress ({unit})")
         ax.set_ylim(bottom=0)
         ax.set_aspect("equal", adjustable="box")
-        ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=2)
+        _legend_above(ax, 2)
     return ax

@@ -25,7 +25,20 @@ def _axes(ax: PolarAxes | None) -> PolarAxes:
     ax.grid(lw=0.4, color="#cccccc")
     ax.tick_params(pad=0)
     ax.spines["polar"].set_linewidth(0.6)
-    ax.set_axisbelow(True)
+    ax.set_axisbelow("line")
+    return ax
+
+
+def _end(ax: PolarAxes, columns: int, whole: bool = False) -> PolarAxes:
+    """Few circles, with numbers that can be read over the bars."""
+    from matplotlib.patheffects import withStroke
+    from matplotlib.ticker import MaxNLocator
+
+    ax.yaxis.set_major_locator(MaxNLocator(3, integer=whole, min_n_ticks=2))
+    ax.set_ylim(bottom=0)
+    for label in ax.get_yticklabels():
+        label.set(size=6, path_effects=[withStroke(linewidth=1.5, foreground="white")], zorder=10)
+    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=columns)
     return ax
 
 
@@ -46,10 +59,6 @@ def _bars(ax: PolarAxes, values: np.ndarray, bottom: np.ndarray | float, **setti
 def _fit(ax: PolarAxes, a: float, direction: float, label: str) -> None:
     t = np.linspace(0.0, 2.0 * np.pi, 361)
     ax.plot(t, np.maximum(1.0 + a * np.cos(2.0 * (t - direction)), 0.0), color=LINE, label=label)
-
-
-def _legend(ax: PolarAxes, columns: int = 1) -> None:
-    ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.06), ncols=columns)
 
 
 def crack_rose(run: Run, *, until: int | None = None, ax: PolarAxes | None = None) -> PolarAxes:
@@ -73,9 +82,7 @@ def crack_rose(run: Run, *, until: int | None = None, ax: PolarAxes | None = Non
                 number = np.bincount(sector[chosen], minlength=SECTORS).astype(float)
                 _bars(ax, number, below, color=color, label=f"{chosen.sum()} in {mode}")
                 below += number
-        ax.yaxis.get_major_locator().set_params(integer=True)
-        _legend(ax, 3)
-    return ax
+        return _end(ax, 3, whole=True)
 
 
 def contact_rose(
@@ -92,8 +99,7 @@ def contact_rose(
         _bars(ax, number / number.mean(), 0.0, color=BARS, label=f"{fabric.contacts} contacts")
         angle = np.degrees(fabric.direction)
         _fit(ax, fabric.a, fabric.direction, f"$a$ = {fabric.a:.3f}, $t_a$ = {angle:.1f}°")
-        _legend(ax, 2)
-    return ax
+        return _end(ax, 2)
 
 
 def force_rose(
@@ -114,5 +120,4 @@ def force_rose(
         _fit(
             ax, fabric.a_n, fabric.force_direction, f"$a_n$ = {fabric.a_n:.3f}, $t_n$ = {angle:.1f}°"
         )
-        _legend(ax, 2)
-    return ax
+        return _end(ax, 2)

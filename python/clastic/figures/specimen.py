@@ -108,11 +108,12 @@ class _Sheet:
     def disks(self, **settings: Any) -> Any:
         from matplotlib.collections import EllipseCollection
 
-        settings.setdefault("facecolors", "white")
+        if "array" not in settings:
+            settings.setdefault("facecolors", "white")
         size = 2.0 * self.r
         disks = EllipseCollection(
             size, size, np.zeros(len(size)), units="xy", offsets=self.x,
-            offset_transform=self.ax.transData, edgecolors="#777777", linewidths=0.15, **settings,
+            offset_transform=self.ax.transData, edgecolors="#888888", linewidths=0.25, **settings,
         )
         return self.ax.add_collection(disks)
 
@@ -164,22 +165,28 @@ class _Sheet:
             handle = Line2D([], [], color=color, lw=width, label=text)
         self.handles.append(handle)
 
-    def bar(self, disks: Any, label: str, both: bool, exceeded: bool) -> None:
-        end = "both" if both else "max"
-        bar = self.ax.figure.colorbar(
-            disks, ax=self.ax, location="bottom", fraction=0.05, pad=0.02, aspect=30,
-            extend=end if exceeded else "neither", label=label,
-        )
+    def bar(
+        self, disks: Any, label: str, both: bool, exceeded: bool, inside: Axes | None
+    ) -> None:
+        from matplotlib.ticker import MaxNLocator
+
+        place: dict[str, Any] = {"fraction": 0.05, "pad": 0.02, "aspect": 30, "location": "bottom"}
+        place = place | {"ax": self.ax} if inside is None else {"cax": inside, "location": "bottom"}
+        end = ("both" if both else "max") if exceeded else "neither"
+        bar = self.ax.figure.colorbar(disks, extend=end, label=label, **place)
+        bar.ax.xaxis.set_major_locator(MaxNLocator(4 if inside is None else 2, symmetric=both))
         bar.outline.set_linewidth(0.4)
         bar.ax.tick_params(length=2, width=0.4)
-        self.ax.bar = bar  # type: ignore[attr-defined]
+        self.ax.scale = bar  # type: ignore[attr-defined]
 
     def end(self) -> Axes:
         if self.handles:
-            below = -0.01 if not hasattr(self.ax, "bar") else 1.0
-            place = "upper center" if below < 0 else "lower center"
+            # A scale of colours has the place below.
+            is_above = hasattr(self.ax, "scale")
             self.ax.legend(
-                handles=self.handles, loc=place, bbox_to_anchor=(0.5, below),
+                handles=self.handles,
+                loc="lower center" if is_above else "upper center",
+                bbox_to_anchor=(0.5, 1.0 if is_above else 0.0),
                 ncols=2 if len(self.handles) in (2, 4) else 3, columnspacing=1.2,
             )
         return self.ax
@@ -187,25 +194,23 @@ class _Sheet:
 
 def _field(
     frame: Frame, values: np.ndarray, name: str, unit: str, *,
-    signed: bool, cracks: bool, box: Box | None, ax: Axes | None, bar: bool = True,
+    signed: bool, cracks: bool, box: Box | None, ax: Axes | None, bar_in: Axes | None = None,
 ) -> Axes:
+    import matplotlib
+
     with style():
         sheet = _Sheet(frame, box, ax)
         end = end_of(values)
         shown, size = prefix(end, unit)
         low = -end if signed else 0.0
-        disks = sheet.disks(
-            array=np.ma.masked_invalid(values / size), cmap="RdBu_r" if signed else "YlGnBu"
-        )
-        disks.set_facecolors("none")
-        disks.cmap.set_bad("white")
+        colors = matplotlib.colormaps["RdBu_r" if signed else "YlGnBu"].with_extremes(bad="white")
+        disks = sheet.disks(array=np.ma.masked_invalid(values / size), cmap=colors)
         disks.set_clim(low / size, end / size)
         if cracks:
             sheet.cracks()
         sheet.boundary()
-        if bar:
-            exceeded = bool(np.nanmax(np.abs(values), initial=0.0) > end)
-            sheet.bar(disks, f"{name} ({shown})" if shown else name, signed, exceeded)
+        exceeded = bool(np.nanmax(np.abs(values), initial=0.0) > end)
+        sheet.bar(disks, f"{name} ({shown})" if shown else name, signed, exceeded, bar_in)
         return sheet.end()
 
 
@@ -215,18 +220,20 @@ def specimen(
     """Disks in the colours of their materials, and cracks: strokes across broken bonds, as long as
     the bond was wide. Red is tension, black shear, orange rolling.
     """
-    frame = frame_of(of, at)
     with style():
-        sheet = _Sheet(frame, box, ax)
-        material = frame.arrays["bodies.material"]
-        sheet.disks(facecolors=np.array(MATERIALS)[material % len(MATERIALS)])
-        there = np.unique(material)
-        for k in there if len(there) > 1 else ():
-            name = frame.arrays["materials.name"][k]
-            sheet.sample(MATERIALS[k % len(MATERIALS)], f"{(material == k).sum()} {name}", disk=True)
-        sheet.cracks()
-        sheet.boundary()
-        return sheet.end()
+        return _draw_specimen(_Sheet(frame_of(of, at), box, ax)).end()
+
+
+def _draw_specimen(sheet: _Sheet) -> _Sheet:
+    material = sheet.frame.arrays["bodies.material"]
+    sheet.disks(facecolors=np.array(MATERIALS)[material % len(MATERIALS)])
+    there = np.unique(material)
+    for k in there if len(there) > 1 else ():
+        name = sheet.frame.arrays["materials.name"][k]
+        sheet.sample(MATERIALS[k % len(MATERIALS)], f"{(material == k).sum()} {name}", disk=True)
+    sheet.cracks()
+    sheet.boundary()
+    return sheet
 
 
 def bonds(
@@ -270,7 +277,7 @@ def force_chains(
         sheet.boundary()
         ax = sheet.end()
         if sheet.handles and ax.legend_ is not None:
-            ax.legend_.set_title(f"mean radius wide: {end / size:g} {unit}", prop={"size": 7})
+            ax.legend_.set_title(f"as wide as the mean radius: {end / size:g} {unit}", prop={"size": 7})
         return ax
 
 
@@ -405,15 +412,33 @@ def localisation(
         x1, y1 = boxes[:, 2:].max(axis=0)
         box = float(x0), float(y0), float(x1), float(y1)
     x0, y0, x1, y1 = box
+    names = ["(a) peak", f"(b) {at}", "(c) layers", "(d) rotation since (a)"]
     with style():
-        width = 2.0 * WIDTH
-        height = width / 4.0 * min((y1 - y0) / (x1 - x0), 2.5) + 0.55
-        _, axes = plt.subplots(1, 4, figsize=(width, height), layout="constrained")
-        specimen(peak, box=box, ax=axes[0])
-        specimen(now, box=box, ax=axes[1])
+        # Lengths in inches, so that all panels have one scale.
+        width, gap, head, foot = 2.0 * WIDTH, 0.08, 0.2, 0.5
+        each = (width - 3.0 * gap) / 4.0
+        high = each * min((y1 - y0) / (x1 - x0), 2.5)
+        height = head + high + foot
+        figure = plt.figure(figsize=(width, height))
+
+        def panel(k: int, bottom: float, tall: float, inset: float = 0.0) -> Axes:
+            left = k * (each + gap) + inset * each
+            wide = (1.0 - 2.0 * inset) * each
+            return figure.add_axes((left / width, bottom / height, wide / width, tall / height))
+
+        axes = np.array([panel(k, foot, high) for k in range(4)])
+        sheets = [_draw_specimen(_Sheet(frame, box, ax)) for frame, ax in zip((peak, now), axes)]
         layers(now, since=start, box=box, ax=axes[2])
-        rotation(now, since=peak, box=box, ax=axes[3])
-        names = ("(a) peak", "(b) end", "(c) layers", "(d) rotation since the peak")
+        _field(
+            now, now.turned(peak), "rotation", "rad", signed=True, cracks=False, box=box,
+            ax=axes[3], bar_in=panel(3, foot - 0.12, 0.08, 0.08),
+        )
         for ax, name in zip(axes, names):
-            ax.set_title(name if at == "end" or name != "(b) end" else f"(b) {at}", loc="left")
+            ax.set_title(name, loc="left", pad=3)
+        for sheet in sheets:
+            if sheet.handles:
+                sheet.ax.legend(
+                    handles=sheet.handles, loc="upper left", bbox_to_anchor=(-0.03, 0.0),
+                    borderpad=0.2, labelspacing=0.2,
+                )
     return axes

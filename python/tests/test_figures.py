@@ -1,0 +1,87 @@
+"""Each figure draws, into axes of its own and into those that are given."""
+
+from __future__ import annotations
+
+import inspect
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+
+import clastic
+from clastic import figures
+
+NAMES = [name for name in figures.__all__ if name not in ("WIDTH", "close", "style")]
+ROSES = [name for name in NAMES if name.endswith("rose")]
+
+
+@pytest.fixture(autouse=True)
+def _closed():
+    yield
+    plt.close("all")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_figure_draws(name: str, biaxial: clastic.Run, tmp_path: Path) -> None:
+    draw = getattr(figures, name)
+    drawn = np.atleast_1d(draw(biaxial))
+    for ax in drawn:
+        assert isinstance(ax, Axes)
+        shown = [*ax.lines, *ax.collections, *ax.patches]
+        assert shown, "nothing is drawn"
+        for line in ax.lines:
+            assert np.isfinite(np.asarray(line.get_data(), float)).all()
+    for ending in ("png", "pdf", "svg"):
+        file = tmp_path / f"figure.{ending}"
+        drawn[0].figure.savefig(file)
+        assert file.stat().st_size > 2000
+    if "ax" in inspect.signature(draw).parameters:
+        polar = {"projection": "polar"} if name in ROSES else None
+        _, ours = plt.subplots(subplot_kw=polar)
+        assert draw(biaxial, ax=ours) is ours and plt.get_fignums()[-1] == ours.figure.number
+
+
+def test_curves_are_those_of_the_history(biaxial: clastic.Run) -> None:
+    ax = figures.stress_strain(biaxial, biaxial)
+    strain, stress = ax.lines[0].get_data()
+    row = biaxial.history.iloc[-1]
+    assert strain[-1] == pytest.approx(100 * row["axial_strain"])
+    assert stress[-1] == pytest.approx(1e-3 * row["axial_stress_pa"]) and "kPa" in ax.get_ylabel()
+    mohr = figures.mohr(biaxial)
+    x, y = mohr.lines[0].get_data()
+    lateral = biaxial.history["lateral_stress_pa"][biaxial.history["axial_stress_pa"].idxmax()]
+    assert x.max() == pytest.approx(1e-3 * biaxial.results["peak_stress_pa"])
+    assert x.min() == pytest.approx(1e-3 * lateral) and y.max() == pytest.approx(np.ptp(x) / 2, rel=1e-3)
+
+
+def test_a_figure_is_of_a_moment_and_of_a_simulation(biaxial: clastic.Run) -> None:
+    def counts(ax: Axes) -> str:
+        return " ".join(text.get_text() for text in ax.get_legend().get_texts()) if ax.get_legend() else ""
+
+    peak, end = (counts(figures.specimen(biaxial, at)) for at in ("peak", "end"))
+    assert peak != end and "in shear" in end
+    broken = biaxial.history.iloc[-1]["broken_shear"]
+    assert f"{broken} in shear" in end
+    sim = clastic.Simulation("biaxial_small", set={"stages.load.increments": 2})
+    start = sim.frame()
+    sim.run()
+    ax = figures.displacement(sim.frame(), since=start)
+    assert "displacement" in ax.scale.ax.get_xlabel()
+    with pytest.raises(ValueError, match="give `since`"):
+        figures.rotation(start)
+
+
+def test_what_cannot_be_drawn_is_explained(tmp_path: Path) -> None:
+    run = clastic.run("tension", out=tmp_path / "tension", progress=False)
+    for draw, said in [
+        (figures.energies, "energy: true"),
+        (figures.fabric, "frames_every"),
+        (figures.contact_rose, "no contact"),
+        (figures.mohr, "no peak"),
+    ]:
+        with pytest.raises(ValueError, match=said):
+            draw(run)
+    with pytest.raises(ValueError, match="give a run"):
+        figures.stress_strain()
