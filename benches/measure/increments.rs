@@ -189,7 +189,6 @@ fn chart(test: &Test, curves: Vec<Curve>) -> Chart {
         lines: lines.collect(),
         second: None,
         equal: false,
-        window: None,
     }
 }
 

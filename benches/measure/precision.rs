@@ -310,6 +310,5 @@ fn chart(problem: &Captured, points: &[Point]) -> Chart {
         lines: Kind::ALL.map(line).to_vec(),
         second: None,
         equal: false,
-        window: None,
     }
 }

@@ -106,7 +106,6 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
         }],
         second: None,
         equal: false,
-        window: None,
     };
     let text = "Specimens are the stored packings (400 and 7380 disks) and mirrored tiles of the \
         larger one. `setup_s` is the time to spawn the bodies. `first_increment_s` \

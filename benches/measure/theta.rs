@@ -82,7 +82,6 @@ pub fn run() -> Result<Part, BenchError> {
         lines,
         second: None,
         equal: false,
-        window: None,
     };
     Ok(Part {
         name: "theta",

@@ -51,11 +51,7 @@ pub fn shaped<'py, T: Element>(
 
 /// A row of a CSV file by column. Numbers are those that the file would have, to the bit; a value
 /// that is not defined is `None`.
-pub fn row<'py>(
-    py: Python<'py>,
-    columns: &[String],
-    line: &str,
-) -> PyResult<Bound<'py, PyDict>> {
+pub fn row<'py>(py: Python<'py>, columns: &[String], line: &str) -> PyResult<Bound<'py, PyDict>> {
     let mut reader = csv::ReaderBuilder::new().has_headers(false).from_reader(line.as_bytes());
     let record = reader.records().next().transpose().map_err(|e| engine_error(&e.to_string()))?;
     let record = record.unwrap_or_default();

@@ -200,7 +200,10 @@ impl Model {
         let materials = &world.resource::<Materials>().0;
         let Some(index) = materials.iter().position(|m| m.name == material) else {
             let names: Vec<_> = materials.iter().map(|m| format!("`{}`", m.name)).collect();
-            return value(format!("no material is called `{material}`: there is {}", names.join(", ")));
+            return value(format!(
+                "no material is called `{material}`: there is {}",
+                names.join(", ")
+            ));
         };
         let density = materials[index].density;
         let spawn = |[x, y, radius, vx, vy]: &[f64; 5]| {

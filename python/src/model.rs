@@ -199,10 +199,11 @@ impl Model {
         let entity = |id: &u32| {
             let row = bodies.row(BodyId(*id)).filter(|row| *row < bodies.particles);
             row.map(|row| bodies.entities[row]).ok_or_else(|| {
-                Error::Value(format!("no particle has the identity {id}; `ids` has those there are"))
+                Error::Value(format!(
+                    "no particle has the identity {id}; `ids` has those there are"
+                ))
             })
         };
         ids.iter().map(entity).collect()
     }
 }
-

@@ -1,6 +1,6 @@
 //! What figures read from the directory of a run, by the code of the program.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clastic::moment::{Disk, Moment, fields};
 use clastic::output::directory;
@@ -56,7 +56,7 @@ pub fn strains<'py>(
     shaped(py, strains.into_iter().flat_map(pair).collect(), &[n, 2])
 }
 
-fn history(run: &PathBuf) -> PyResult<History> {
+fn history(run: &Path) -> PyResult<History> {
     History::of_run(run).map_err(|error| PyOSError::new_err(error.to_string()))
 }
 

@@ -112,7 +112,9 @@ impl Simulation {
         };
         let (status, stage, increment, message) = match outcome {
             Outcome::Completed => ("completed", None, None, None),
-            Outcome::Collapsed(c) => ("collapsed", Some(c.stage), Some(c.increment), Some(c.reason)),
+            Outcome::Collapsed(c) => {
+                ("collapsed", Some(c.stage), Some(c.increment), Some(c.reason))
+            }
             Outcome::Undecided { increment, message } => {
                 ("undecided", None, Some(increment), Some(message))
             }

@@ -31,11 +31,7 @@ pub const DEFAULT_FIELD: &str = "let.confining";
 const SEED: &str = "seed";
 
 /// Makes the runs, prints the envelopes, and writes table and figure.
-pub fn envelope(
-    args: &EnvelopeArgs,
-    words: &[OsString],
-    app: &App,
-) -> Result<Exit, Failure> {
+pub fn envelope(args: &EnvelopeArgs, words: &[OsString], app: &App) -> Result<Exit, Failure> {
     let sweep = study(args, app)?;
     fs::create_dir_all(&sweep.folder).map_err(OutputError::at(&sweep.folder))?;
     let all: Vec<_> = (0..sweep.plan.runs.len()).collect();

@@ -65,7 +65,11 @@ pub fn begin(
     write_atomic(&dir.join(names::SCENE), &loaded.text)?;
     let probes = history::probes(&loaded.scene);
     let tables = Tables {
-        history: CsvFile::begin(dir.join(names::HISTORY), history_file, history::columns(&loaded.scene))?,
+        history: CsvFile::begin(
+            dir.join(names::HISTORY),
+            history_file,
+            history::columns(&loaded.scene),
+        )?,
         events: CsvFile::create(dir.join(names::EVENTS), events::COLUMNS)?,
         avalanches: CsvFile::create(dir.join(names::AVALANCHES), avalanches::COLUMNS)?,
         timings: CsvFile::create(dir.join(names::TIMINGS), timings::COLUMNS)?,

@@ -8,8 +8,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use clastic::moment::{Moment, fields};
 use clastic::frames;
+use clastic::moment::{Moment, fields};
 use clastic::tables::Tables;
 use serde_json::Value;
 

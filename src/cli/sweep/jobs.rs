@@ -106,8 +106,8 @@ pub fn run_all(
 /// Path of this executable.
 fn itself() -> Result<OsString, Failure> {
     let program = env::current_exe();
-    let program = program
-        .map_err(|error| files(format!("cannot find the program itself: {error}")))?;
+    let program =
+        program.map_err(|error| files(format!("cannot find the program itself: {error}")))?;
     Ok(program.into_os_string())
 }
 

@@ -23,12 +23,8 @@ pub struct Style {
 
 impl Style {
     /// For a screen.
-    pub const SCREEN: Self = Self {
-        font: 13.0,
-        fit: DVec2::new(900.0, 820.0),
-        narrowest: 620.0,
-        margin: 24.0,
-    };
+    pub const SCREEN: Self =
+        Self { font: 13.0, fit: DVec2::new(900.0, 820.0), narrowest: 620.0, margin: 24.0 };
 
     /// Attributes of the root element for a page of this size.
     #[must_use]
