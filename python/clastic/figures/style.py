@@ -59,8 +59,14 @@ def style() -> Iterator[None]:
 
     # A machine without the first fonts of the list takes the next, which is no news.
     logging.getLogger("matplotlib.font_manager").setLevel(logging.ERROR)
-    with matplotlib.rc_context({**SETTINGS, "axes.prop_cycle": cycler(color=COLORS)}):
+    ours = {**SETTINGS, "axes.prop_cycle": cycler(color=COLORS)}
+    # No more than these, since a notebook sets others while its first figure is made.
+    before = {name: matplotlib.rcParams[name] for name in ours}
+    matplotlib.rcParams.update(ours)
+    try:
         yield
+    finally:
+        matplotlib.rcParams.update(before)
 
 
 def new_axes(aspect: float, ax: Axes | None, **settings: Any) -> Axes:
