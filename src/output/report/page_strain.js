@@ -1,4 +1,4 @@
-// Strains of the neighbourhoods of grains between two frames, as `docs/figures.md` defines them.
+// Strains of the neighbourhoods of grains between two frames, as `docs/python.md` defines them.
 "use strict";
 (() => {
   const { movie } = Report.data;
