@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -51,7 +51,7 @@ class Parameter:
     """
 
     name: str
-    paths: Union[Sequence[str], Mapping[str, Sequence[str]]]
+    paths: Sequence[str] | Mapping[str, Sequence[str]]
     start: float
     scales: str | None = None
     low: float | None = None
@@ -172,8 +172,8 @@ class _Search:
         with warnings.catch_warnings():
             # Doubts are in the column `marks`.
             warnings.simplefilter("ignore")
-            found = Run(folder) if there else run(
-                scene, settings, folder, force=True, threads=1, progress=False
+            found = (
+                Run(folder) if there else run(scene, settings, folder, force=True, threads=1, progress=False)
             )
         row = {"test": test, "seed": seed, **values, "directory": str(folder), "cached": there}
         row |= {"status": found.status, "marks": "; ".join(found.marks)}
@@ -185,11 +185,7 @@ class _Search:
         """Factors on stiffnesses and strengths that bring the results nearest to their targets."""
         factors = {}
         for kind in ("stiffness", "strength"):
-            ratios = [
-                (t.weight, t.value / means[t.test, t.result])
-                for t in self.targets
-                if t.scales == kind
-            ]
+            ratios = [(t.weight, t.value / means[t.test, t.result]) for t in self.targets if t.scales == kind]
             logs = [(w, np.log(r)) for w, r in ratios if np.isfinite(r) and r > 0.0]
             total = sum(w for w, _ in logs)
             factors[kind] = float(np.exp(sum(w * x for w, x in logs) / total)) if total else 1.0
@@ -197,9 +193,7 @@ class _Search:
         factors["strain"] = factors["strength"] / factors["stiffness"]
         return factors
 
-    def errors(
-        self, means: Mapping[tuple[str, str], float], factors: Mapping[str, float]
-    ) -> np.ndarray:
+    def errors(self, means: Mapping[tuple[str, str], float], factors: Mapping[str, float]) -> np.ndarray:
         """Weighted errors of the targets once the results are scaled."""
         errors = []
         for t in self.targets:
@@ -210,7 +204,7 @@ class _Search:
 
 
 def calibrate(
-    tests: Mapping[str, Union[Scene, tuple[Scene, Settings]]],
+    tests: Mapping[str, Scene | tuple[Scene, Settings]],
     targets: Sequence[Target],
     parameters: Sequence[Parameter],
     *,
@@ -244,7 +238,8 @@ def calibrate(
     tolerance
         Relative error within which a target counts as reached.
     max_evaluations
-        Maximum number of trials; each has a run for every test and seed.
+        Maximum number of steps of the least squares. A step has a trial, and one for each parameter that is
+        sought; a trial has a run for every test and seed.
     out
         Directory of the runs, which have the names of hashes of their scenes: what is there already
         is not run again.
@@ -281,8 +276,13 @@ def calibrate(
     if sought:
         # Results have steps where another bond breaks first: differences must be larger.
         found = least_squares(
-            trial, np.clip(into(best), 0.01, 0.99), bounds=(0.0, 1.0), diff_step=0.05,
-            xtol=1e-3, ftol=1e-4, max_nfev=max_evaluations,
+            trial,
+            np.clip(into(best), 0.01, 0.99),
+            bounds=(0.0, 1.0),
+            diff_step=0.05,
+            xtol=1e-3,
+            ftol=1e-4,
+            max_nfev=max_evaluations,
         )
         best, message = back(found.x), found.message
     factors = {"stiffness": 1.0, "strength": 1.0, "strain": 1.0}

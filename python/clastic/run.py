@@ -73,9 +73,7 @@ def run(
     text, is_text = source(scene)
     name = "scene" if is_text else Path(text).stem
     folder = Path("runs", name) if out is None else Path(out)
-    engine = _engine.Simulation(
-        text, is_text, settings(set), folder, force, checkpoint_every, threads
-    )
+    engine = _engine.Simulation(text, is_text, settings(set), folder, force, checkpoint_every, threads)
     for warning in engine.warnings():
         warnings.warn(warning, RunWarning, stacklevel=2)
     shown = Progress(progress, len(engine.stages()))

@@ -78,9 +78,7 @@ class Simulation:
         If the scene or a setting is wrong.
     """
 
-    def __init__(
-        self, scene: Scene, *, set: Settings | None = None, threads: int | None = None
-    ) -> None:
+    def __init__(self, scene: Scene, *, set: Settings | None = None, threads: int | None = None) -> None:
         text, is_text = source(scene)
         self._engine = _engine.Simulation(text, is_text, settings(set), None, False, 0, threads)
 
@@ -354,7 +352,7 @@ class Simulation:
         rows = _identities(ids)
         self._engine.drive(rows, _rows(motions, len(rows)))
 
-    def loads(self, function: Callable[[Any], Any] | None) -> None:
+    def set_load_function(self, function: Callable[[Any], Any] | None) -> None:
         """Sets a function that loads the particles, or takes it away (None).
 
         It is called once per trial, that is for every fraction of an increment that is tried and
@@ -368,7 +366,7 @@ class Simulation:
         The function must depend on its argument alone, since a trial may be repeated. It cannot use
         the simulation. An exception in it ends the step, of which nothing is committed.
         """
-        self._engine.set_loads(function)
+        self._engine.set_load_function(function)
 
     def remove(self, ids: ArrayLike) -> None:
         """Takes particles away with their contacts and bonds."""

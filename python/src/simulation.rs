@@ -325,7 +325,7 @@ impl Simulation {
     }
 
     /// The function of loads; `None` takes it away.
-    fn set_loads(&self, py: Python, function: Option<Py<PyAny>>) -> PyResult<()> {
+    fn set_load_function(&self, py: Python, function: Option<Py<PyAny>>) -> PyResult<()> {
         self.worker.call(py, move |model| match function {
             Some(function) => model.world().insert_resource(LoadFunction(function)),
             None => {

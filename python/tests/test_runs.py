@@ -149,8 +149,12 @@ def test_a_study_and_an_envelope_are_tables(tmp_path: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         envelope = clastic.envelope(
-            "biaxial_small", [1e5, 2e5], fields=walls, set={"stages.load.increments": 22},
-            out=tmp_path / "envelope", progress=False,
+            "biaxial_small",
+            [1e5, 2e5],
+            fields=walls,
+            set={"stages.load.increments": 22},
+            out=tmp_path / "envelope",
+            progress=False,
         )
     peaks = envelope.peaks["peak_pa"]
     assert peaks[1] > peaks[0] > 1e5

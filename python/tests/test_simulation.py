@@ -53,7 +53,9 @@ def test_a_state_goes_on_to_the_same_numbers() -> None:
     more = sim.run()
     place = len(sim.stages) - 1
     longer = {
-        "stages.load.increments": 4, f"stages[{place}]": MORE, "reference_stage": "load",
+        "stages.load.increments": 4,
+        f"stages[{place}]": MORE,
+        "reference_stage": "load",
     }
     assert clastic.Simulation("biaxial_small", set=longer).run() == whole + more
     with pytest.raises(ValueError, match="not a state"):
@@ -117,7 +119,7 @@ def test_a_load_by_a_function_is_that_of_a_spring(scene: Path) -> None:
         stiffness[:, 1] = k
         return forces, stiffness
 
-    sim.loads(spring)
+    sim.set_load_function(spring)
     for _ in range(3):
         sim.step()
     assert sim.positions[0, 1] - start == pytest.approx(force / (k + 1e6), rel=1e-6)
@@ -128,18 +130,18 @@ def test_a_load_by_a_function_is_that_of_a_spring(scene: Path) -> None:
         return np.zeros((2, 2))
 
     place = sim.positions
-    sim.loads(wrong)
+    sim.set_load_function(wrong)
     with pytest.raises(ValueError, match=r"give \(1, 2\) for forces"):
         sim.step()
-    sim.loads(lambda trial: 1 / 0)
+    sim.set_load_function(lambda trial: 1 / 0)
     with pytest.raises(ZeroDivisionError):
         sim.step()
-    sim.loads(lambda trial: sim.positions)
+    sim.set_load_function(lambda trial: sim.positions)
     with pytest.raises(RuntimeError, match="cannot use the simulation"):
         sim.step()
     # Nothing of these increments was committed, and the simulation goes on.
     assert (sim.positions == place).all()
-    sim.loads(None)
+    sim.set_load_function(None)
     assert sim.step()["status"] == "solved"
 
 

@@ -103,9 +103,7 @@ def force_displacement(*runs: Run, ax: Axes | None = None) -> Axes:
     drives = [(run, run.drives()) for run in runs]
     for run, list in drives:
         if not list:
-            raise _absent(
-                run, 'no probe moves against a force; give a wall `probe: "NAME"`, and move it'
-            )
+            raise _absent(run, 'no probe moves against a force; give a wall `probe: "NAME"`, and move it')
     turns = {d in ("clockwise", "anticlockwise") for _, list in drives for _, d, _ in list}
     directions = {d for _, list in drives for _, d, _ in list}
     if len(turns) > 1:
@@ -113,7 +111,9 @@ def force_displacement(*runs: Run, ax: Axes | None = None) -> Axes:
     with style():
         ax = new_axes(0.75, ax)
         points = [p for _, list in drives for *_, p in list]
-        unit, size = ("rad", 1.0) if turns == {True} else prefix(max(np.abs(p[:, 1]).max() for p in points), "m")
+        unit, size = (
+            ("rad", 1.0) if turns == {True} else prefix(max(np.abs(p[:, 1]).max() for p in points), "m")
+        )
         force_unit, force_size = prefix(
             max(np.abs(p[:, 2]).max() for p in points), "N m" if turns == {True} else "N"
         )

@@ -85,9 +85,7 @@ def crack_rose(run: Run, *, until: int | None = None, ax: PolarAxes | None = Non
         return _end(ax, 3, whole=True)
 
 
-def contact_rose(
-    of: Run | Frame, at: int | str = "end", *, ax: PolarAxes | None = None
-) -> PolarAxes:
+def contact_rose(of: Run | Frame, at: int | str = "end", *, ax: PolarAxes | None = None) -> PolarAxes:
     """Density of the contacts between disks that carry compression, by the direction of their
     normal, over its mean; and the line 1 + a cos 2(t - t_a).
     """
@@ -102,9 +100,7 @@ def contact_rose(
         return _end(ax, 2)
 
 
-def force_rose(
-    of: Run | Frame, at: int | str = "end", *, ax: PolarAxes | None = None
-) -> PolarAxes:
+def force_rose(of: Run | Frame, at: int | str = "end", *, ax: PolarAxes | None = None) -> PolarAxes:
     """Mean normal force of these contacts in a sector, over the mean f_0 of the sectors; and the line
     1 + a_n cos 2(t - t_n).
     """
@@ -117,7 +113,5 @@ def force_rose(
         ax = _axes(ax)
         _bars(ax, mean / overall, 0.0, color=BARS, label=f"mean {overall / size:.3g} {unit}")
         angle = np.degrees(fabric.force_direction)
-        _fit(
-            ax, fabric.a_n, fabric.force_direction, f"$a_n$ = {fabric.a_n:.3f}, $t_n$ = {angle:.1f}°"
-        )
+        _fit(ax, fabric.a_n, fabric.force_direction, f"$a_n$ = {fabric.a_n:.3f}, $t_n$ = {angle:.1f}°")
         return _end(ax, 2)

@@ -43,8 +43,12 @@ def view(frame: Frame) -> Box:
     for k in range(2):
         inner = np.sort(low[:, k])[strays], np.sort(high[:, k])[last - strays]
         apart = APART * (inner[1] - inner[0])
-        box.append((low[:, k][low[:, k] >= inner[0] - apart].min(initial=inner[0]),
-                    high[:, k][high[:, k] <= inner[1] + apart].max(initial=inner[1])))
+        box.append(
+            (
+                low[:, k][low[:, k] >= inner[0] - apart].min(initial=inner[0]),
+                high[:, k][high[:, k] <= inner[1] + apart].max(initial=inner[1]),
+            )
+        )
     (x0, x1), (y0, y1) = box
     apart = APART * np.array([x1 - x0, y1 - y0])
     for points, is_thin in _walls(frame):
@@ -112,8 +116,15 @@ class _Sheet:
             settings.setdefault("facecolors", "white")
         size = 2.0 * self.r
         disks = EllipseCollection(
-            size, size, np.zeros(len(size)), units="xy", offsets=self.x,
-            offset_transform=self.ax.transData, edgecolors="#888888", linewidths=0.25, **settings,
+            size,
+            size,
+            np.zeros(len(size)),
+            units="xy",
+            offsets=self.x,
+            offset_transform=self.ax.transData,
+            edgecolors="#888888",
+            linewidths=0.25,
+            **settings,
         )
         return self.ax.add_collection(disks)
 
@@ -165,9 +176,7 @@ class _Sheet:
             handle = Line2D([], [], color=color, lw=width, label=text)
         self.handles.append(handle)
 
-    def bar(
-        self, disks: Any, label: str, both: bool, exceeded: bool, inside: Axes | None
-    ) -> None:
+    def bar(self, disks: Any, label: str, both: bool, exceeded: bool, inside: Axes | None) -> None:
         from matplotlib.ticker import MaxNLocator
 
         place: dict[str, Any] = {"fraction": 0.05, "pad": 0.02, "aspect": 30, "location": "bottom"}
@@ -187,14 +196,23 @@ class _Sheet:
                 handles=self.handles,
                 loc="lower center" if is_above else "upper center",
                 bbox_to_anchor=(0.5, 1.0 if is_above else 0.0),
-                ncols=2 if len(self.handles) in (2, 4) else 3, columnspacing=1.2,
+                ncols=2 if len(self.handles) in (2, 4) else 3,
+                columnspacing=1.2,
             )
         return self.ax
 
 
 def _field(
-    frame: Frame, values: np.ndarray, name: str, unit: str, *,
-    signed: bool, cracks: bool, box: Box | None, ax: Axes | None, bar_in: Axes | None = None,
+    frame: Frame,
+    values: np.ndarray,
+    name: str,
+    unit: str,
+    *,
+    signed: bool,
+    cracks: bool,
+    box: Box | None,
+    ax: Axes | None,
+    bar_in: Axes | None = None,
 ) -> Axes:
     import matplotlib
 
@@ -236,9 +254,7 @@ def _draw_specimen(sheet: _Sheet) -> _Sheet:
     return sheet
 
 
-def bonds(
-    of: Run | Frame, at: int | str = "end", *, box: Box | None = None, ax: Axes | None = None
-) -> Axes:
+def bonds(of: Run | Frame, at: int | str = "end", *, box: Box | None = None, ax: Axes | None = None) -> Axes:
     """Intact bonds from centre to centre, and cracks."""
     frame = frame_of(of, at)
     with style():
@@ -282,8 +298,12 @@ def force_chains(
 
 
 def stress(
-    of: Run | Frame, at: int | str = "end", *,
-    cracks: bool = False, box: Box | None = None, ax: Axes | None = None,
+    of: Run | Frame,
+    at: int | str = "end",
+    *,
+    cracks: bool = False,
+    box: Box | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Mean stress (sigma_xx + sigma_yy)/2 of every disk, compression positive."""
     frame = frame_of(of, at)
@@ -295,8 +315,13 @@ def stress(
 
 
 def rotation(
-    of: Run | Frame, at: int | str = "end", *, since: int | str | Frame = "start",
-    cracks: bool = False, box: Box | None = None, ax: Axes | None = None,
+    of: Run | Frame,
+    at: int | str = "end",
+    *,
+    since: int | str | Frame = "start",
+    cracks: bool = False,
+    box: Box | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Rotation between two moments, anticlockwise positive."""
     frame, before = _both(of, at, since)
@@ -305,8 +330,13 @@ def rotation(
 
 
 def displacement(
-    of: Run | Frame, at: int | str = "end", *, since: int | str | Frame = "start",
-    cracks: bool = False, box: Box | None = None, ax: Axes | None = None,
+    of: Run | Frame,
+    at: int | str = "end",
+    *,
+    since: int | str | Frame = "start",
+    cracks: bool = False,
+    box: Box | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Magnitude of the displacement between two moments."""
     frame, before = _both(of, at, since)
@@ -315,8 +345,13 @@ def displacement(
 
 
 def shear_strain(
-    of: Run | Frame, at: int | str = "end", *, since: int | str | Frame = "start",
-    cracks: bool = False, box: Box | None = None, ax: Axes | None = None,
+    of: Run | Frame,
+    at: int | str = "end",
+    *,
+    since: int | str | Frame = "start",
+    cracks: bool = False,
+    box: Box | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Maximum shear strain e_1 - e_2 around every disk between two moments (:meth:`Frame.strains`)."""
     frame, before = _both(of, at, since)
@@ -326,8 +361,13 @@ def shear_strain(
 
 
 def volumetric_strain(
-    of: Run | Frame, at: int | str = "end", *, since: int | str | Frame = "start",
-    cracks: bool = False, box: Box | None = None, ax: Axes | None = None,
+    of: Run | Frame,
+    at: int | str = "end",
+    *,
+    since: int | str | Frame = "start",
+    cracks: bool = False,
+    box: Box | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Volumetric strain e_1 + e_2 around every disk between two moments, contraction positive."""
     frame, before = _both(of, at, since)
@@ -345,8 +385,13 @@ def _both(of: Run | Frame, at: int | str, since: int | str | Frame) -> tuple[Fra
 
 
 def layers(
-    of: Run | Frame, at: int | str = "end", *, since: int | str | Frame = "start",
-    cracks: bool = False, box: Box | None = None, ax: Axes | None = None,
+    of: Run | Frame,
+    at: int | str = "end",
+    *,
+    since: int | str | Frame = "start",
+    cracks: bool = False,
+    box: Box | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Twelve layers by the height of the disks at the moment ``since``."""
     frame, before = _both(of, at, since)
@@ -366,8 +411,12 @@ def layers(
 
 
 def fragments(
-    of: Run | Frame, at: int | str = "end", *,
-    cracks: bool = False, box: Box | None = None, ax: Axes | None = None,
+    of: Run | Frame,
+    at: int | str = "end",
+    *,
+    cracks: bool = False,
+    box: Box | None = None,
+    ax: Axes | None = None,
 ) -> Axes:
     """Sets of disks that intact bonds connect. The largest is grey, disks without a bond are white;
     the colours of others recur.
@@ -430,15 +479,25 @@ def localisation(
         sheets = [_draw_specimen(_Sheet(frame, box, ax)) for frame, ax in zip((peak, now), axes)]
         layers(now, since=start, box=box, ax=axes[2])
         _field(
-            now, now.turned(peak), "rotation", "rad", signed=True, cracks=False, box=box,
-            ax=axes[3], bar_in=panel(3, foot - 0.12, 0.08, 0.08),
+            now,
+            now.turned(peak),
+            "rotation",
+            "rad",
+            signed=True,
+            cracks=False,
+            box=box,
+            ax=axes[3],
+            bar_in=panel(3, foot - 0.12, 0.08, 0.08),
         )
         for ax, name in zip(axes, names):
             ax.set_title(name, loc="left", pad=3)
         for sheet in sheets:
             if sheet.handles:
                 sheet.ax.legend(
-                    handles=sheet.handles, loc="upper left", bbox_to_anchor=(-0.03, 0.0),
-                    borderpad=0.2, labelspacing=0.2,
+                    handles=sheet.handles,
+                    loc="upper left",
+                    bbox_to_anchor=(-0.03, 0.0),
+                    borderpad=0.2,
+                    labelspacing=0.2,
                 )
     return axes

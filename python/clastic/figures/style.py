@@ -75,9 +75,7 @@ def new_axes(aspect: float, ax: Axes | None, **settings: Any) -> Axes:
         return ax
     import matplotlib.pyplot as plt
 
-    _, ax = plt.subplots(
-        figsize=(WIDTH, aspect * WIDTH), layout="constrained", subplot_kw=settings or None
-    )
+    _, ax = plt.subplots(figsize=(WIDTH, aspect * WIDTH), layout="constrained", subplot_kw=settings or None)
     return ax
 
 
