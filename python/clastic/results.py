@@ -141,7 +141,7 @@ class Run:
             if file.exists():
                 return Frame(file)
             if moment == "peak" and (drives := self.drives()):
-                work = lambda p: abs(np.trapezoid(p[:, 2], p[:, 1]))
+                work = lambda p: abs((0.5 * (p[1:, 2] + p[:-1, 2]) * np.diff(p[:, 1])).sum())
                 points = max((points for *_, points in drives), key=work)
                 peak = points[np.abs(points[:, 2]).argmax(), 0]
                 if frames := self.frames():

@@ -78,6 +78,14 @@ def test_tables_and_key_results(biaxial: clastic.Run) -> None:
     assert biaxial._repr_png_().startswith(b"\x89PNG")
 
 
+def test_a_run_without_stress_has_the_peak_of_its_force(tmp_path: Path) -> None:
+    run = clastic.run("tension", {"output.frames_every": 1}, tmp_path / "tension", progress=False)
+    (drive,) = run.drives()
+    increment = drive[2][np.abs(drive[2][:, 2]).argmax(), 0]
+    assert 1 < increment < run.history["increment"].iloc[-1]
+    assert run.frame("peak").increment == increment
+
+
 def test_stress_and_strain_of_a_frame_are_those_of_the_walls(biaxial: clastic.Run) -> None:
     end, start = biaxial.frame("end"), biaxial.frame("start")
     row = biaxial.history.iloc[-1]
