@@ -4,9 +4,9 @@
 use std::collections::BTreeMap;
 
 use bevy::color::LinearRgba;
-use clastic::figures::fields::strains;
-use clastic::figures::moment::{Disk, Moment};
 use clastic::frames::{Frame, NONE};
+use clastic::moment::fields::strains;
+use clastic::moment::{Disk, Moment};
 use clastic::output::plots::scale::{KINDS, Scale};
 use glam::DVec2;
 

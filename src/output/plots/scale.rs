@@ -3,6 +3,15 @@
 /// Colours of a value from 0, by increasing value.
 pub const SEQUENTIAL: [&str; 8] =
     ["#f3f1ec", "#dfe5e8", "#c8d5de", "#adc3d4", "#90afca", "#739abf", "#5684b2", "#3a6ea5"];
+/// Colours of a value of either sign, from the lowest (ColorBrewer's RdBu).
+pub const DIVERGING: [&str; 9] = [
+    "#2166ac", "#4393c3", "#92c5de", "#d1e5f0", "#f7f7f7", "#fddbc7", "#f4a582", "#d6604d",
+    "#b2182b",
+];
+/// Colours of kinds that have no order (Okabe and Ito, legible with any colour vision).
+pub const KINDS: [&str; 8] =
+    ["#56b4e9", "#e69f00", "#009e73", "#f0e442", "#cc79a7", "#0072b2", "#d55e00", "#999999"];
+
 /// A scale of colours for a quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scale {
@@ -30,6 +39,14 @@ impl Scale {
         Self { low: 0.0, high, colors: &SEQUENTIAL, name: name.to_owned(), unit, exceeded }
     }
 
+    /// A scale that is symmetric about 0, with the same rule for its ends.
+    #[must_use]
+    pub fn of_signed(values: &[f64], name: &str, unit: &'static str) -> Self {
+        let high = round_up(quantile(values.iter().map(|v| v.abs())));
+        let exceeded = values.iter().any(|v| v.abs() > high);
+        Self { low: -high, high, colors: &DIVERGING, name: name.to_owned(), unit, exceeded }
+    }
+
     /// Index of the colour of a value.
     #[must_use]
     pub fn class(&self, value: f64) -> usize {
@@ -52,10 +69,22 @@ impl Scale {
         };
         let unit = format!("{prefix}{}", self.unit);
         let unit = if unit.is_empty() { String::new() } else { format!(", {unit}") };
-        let beyond = if self.exceeded { "; last colour: and more" } else { "" };
+        let beyond = match (self.exceeded, self.low < 0.0) {
+            (false, _) => "",
+            (true, false) => "; last colour: and more",
+            (true, true) => "; end colours: and beyond",
+        };
         let middle = 0.5 * (self.low + self.high);
         ([self.low, middle, self.high].map(number), format!("{}{unit}{beyond}", self.name))
     }
+}
+
+/// A value with its unit and a suitable prefix, without digits of round-off.
+#[must_use]
+pub fn with_unit(value: f64, unit: &str) -> String {
+    let (prefix, size) = prefix(value, unit);
+    let value: f64 = format!("{:.3e}", value / size).parse().unwrap_or(value);
+    format!("{value} {prefix}{unit}")
 }
 
 /// The value that 98 % do not exceed.
@@ -105,6 +134,8 @@ mod tests {
             scale.labels(),
             (["0", "50", "100"].map(str::to_owned), "rotation, mrad".to_owned())
         );
+        let scale = Scale::of_signed(&[-3e-6, 1e-6], "rotation", "rad");
+        assert_eq!(scale.labels().0, ["-3", "0", "3"]);
     }
 
     #[test]
@@ -112,5 +143,7 @@ mod tests {
         let scale = Scale::of_magnitudes(&[8.0], "", "");
         let classes = [-1.0, 0.0, 0.99, 1.0, 7.99, 8.0, 99.0, f64::NAN].map(|v| scale.class(v));
         assert_eq!(classes, [0, 0, 0, 1, 7, 7, 7, 0]);
+        let signed = Scale::of_signed(&[-9.0, 1.0], "", "");
+        assert_eq!([-20.0, -0.9, 0.0, 0.9, 20.0].map(|v| signed.class(v)), [0, 4, 4, 4, 8]);
     }
 }
