@@ -46,7 +46,7 @@ impl AnalysisKind {
 /// Kind of analysis, gravity and thickness.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Analysis {
+pub struct ClasticAnalysis {
     /// Static, compaction or dynamic.
     pub kind: AnalysisKind,
     /// Acceleration of gravity, m/s^2.
@@ -61,7 +61,7 @@ pub struct Analysis {
     pub path_theta: Option<f64>,
 }
 
-impl Default for Analysis {
+impl Default for ClasticAnalysis {
     fn default() -> Self {
         Self {
             kind: AnalysisKind::Static,

@@ -110,7 +110,7 @@ pub struct AppliedLoad([Ramp; 3]);
 impl AppliedLoad {
     /// The loads over the next whole increment.
     #[must_use]
-    pub fn next(control: &LoadControl, progress: &crate::increment::Progress) -> Self {
+    pub fn next(control: &LoadControl, progress: &crate::increment::ClasticProgress) -> Self {
         Self(control.0.map(|(from, to)| progress.ramp(from, to)))
     }
 
@@ -124,7 +124,7 @@ impl AppliedLoad {
 /// Loads of a particle over the stage: (value at the start, value at the end) of force x, force y
 /// (N) and moment (N m). [`AppliedLoad`] follows from them.
 ///
-/// The stage has [`Progress::total`](crate::increment::Progress::total) increments. Where it is 0,
+/// The stage has [`ClasticProgress::total`](crate::increment::ClasticProgress::total) increments. Where it is 0,
 /// as in an app without stages, the values at the end act from the next increment on; an app begins
 /// a stage with `clastic_systems::load_stage::begin_stage`.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
@@ -139,9 +139,9 @@ impl LoadControl {
     }
 
     /// Changes the values at the end of the stage and keeps the current values
-    /// ([`Progress::retarget`](crate::increment::Progress::retarget)).
+    /// ([`ClasticProgress::retarget`](crate::increment::ClasticProgress::retarget)).
     #[must_use]
-    pub fn retarget(self, progress: &crate::increment::Progress, targets: [f64; 3]) -> Self {
+    pub fn retarget(self, progress: &crate::increment::ClasticProgress, targets: [f64; 3]) -> Self {
         let Self([x, y, moment]) = self;
         let aim = |(from, to), target| progress.retarget(from, to, target);
         Self([aim(x, targets[0]), aim(y, targets[1]), aim(moment, targets[2])])

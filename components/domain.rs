@@ -21,9 +21,9 @@ impl Domain {
     }
 }
 
-/// [`Analysis::thickness`](crate::increment::Analysis::thickness).
+/// [`ClasticAnalysis::thickness`](crate::increment::ClasticAnalysis::thickness).
 pub const THICKNESS: Domain = Domain::new("a thickness in m greater than 0", |h| h > 0.0);
-/// Components of [`Analysis::gravity`](crate::increment::Analysis::gravity).
+/// Components of [`ClasticAnalysis::gravity`](crate::increment::ClasticAnalysis::gravity).
 pub const GRAVITY: Domain = Domain::new("an acceleration in m/s^2", |_| true);
 /// `dt` of a dynamic analysis.
 pub const TIME_STEP: Domain = Domain::new("a time step in s greater than 0", |dt| dt > 0.0);

@@ -5,8 +5,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
-pub use crate::analysis::{Analysis, AnalysisKind, Coulomb, FrictionLaw};
-pub use crate::progress::Progress;
+pub use crate::analysis::{AnalysisKind, ClasticAnalysis, Coulomb, FrictionLaw};
+pub use crate::progress::ClasticProgress;
 
 /// What a bond does at its rolling limit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -7,7 +7,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{BodyId, Ramp};
-use crate::increment::Progress;
+use crate::increment::ClasticProgress;
 
 /// A flexible membrane without weight or stiffness: a pressure on the chains of the outermost
 /// grains, which are found anew for every trial. It is an entity of its own and no body.
@@ -29,13 +29,13 @@ pub struct Membrane {
 impl Membrane {
     /// Pressure over the next whole increment, Pa.
     #[must_use]
-    pub fn ramp(&self, progress: &Progress) -> Ramp {
+    pub fn ramp(&self, progress: &ClasticProgress) -> Ramp {
         progress.ramp(self.pressure.0, self.pressure.1)
     }
 
     /// Changes the target at the end of the stage. The pressure continues from the value that it
     /// has reached.
-    pub fn retarget(&mut self, progress: &Progress, target: f64) {
+    pub fn retarget(&mut self, progress: &ClasticProgress, target: f64) {
         self.pressure = progress.retarget(self.pressure.0, self.pressure.1, target);
     }
 }
@@ -338,7 +338,7 @@ mod tests {
 
     #[test]
     fn a_new_target_is_approached_from_the_pressure_that_is_reached() {
-        let mut progress = Progress { done: 5.0, total: 20.0, ..Progress::default() };
+        let mut progress = ClasticProgress { done: 5.0, total: 20.0, ..ClasticProgress::default() };
         let mut membrane = Membrane {
             name: String::new(),
             pressure: (0.0, 200.0),

@@ -34,7 +34,7 @@ pub struct Particle {
     /// Mass moment of inertia, kg m^2: m r^2 / 2.
     pub inertia: f64,
     /// Thickness h, m, of which the mass is, if it is known. Another one than that of
-    /// [`Analysis`](crate::increment::Analysis), with which forces and stresses go, halts the
+    /// [`ClasticAnalysis`](crate::increment::ClasticAnalysis), with which forces and stresses go, halts the
     /// world.
     #[serde(skip)]
     pub thickness: Option<f64>,

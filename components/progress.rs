@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// halved is committed as several with a smaller fraction each.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Progress {
+pub struct ClasticProgress {
     /// Number of the increment under way, or of the last one; from 1, and 0 before the first.
     pub increment: u64,
     /// Index of the stage.
@@ -34,7 +34,7 @@ pub struct Progress {
     pub time: f64,
 }
 
-impl Default for Progress {
+impl Default for ClasticProgress {
     fn default() -> Self {
         Self {
             increment: 0,
@@ -51,7 +51,7 @@ impl Default for Progress {
     }
 }
 
-impl Progress {
+impl ClasticProgress {
     /// Whether the stage is over: all its increments are done, and no avalanche is under way.
     #[must_use]
     pub fn is_over(&self) -> bool {
@@ -106,12 +106,13 @@ impl Progress {
 
 #[cfg(test)]
 mod tests {
-    use super::Progress;
+    use super::ClasticProgress;
 
     /// A stage of 46 commits once ended at 192.8 of 200 kPa.
     #[test]
     fn many_parts_of_the_last_increment_lose_no_load() {
-        let mut progress = Progress { done: 19.0, total: 20.0, ..Progress::default() };
+        let mut progress =
+            ClasticProgress { done: 19.0, total: 20.0, ..ClasticProgress::default() };
         for fraction in [0.5, 0.125, 0.25, 0.0625, 0.03125, 0.03125] {
             let ramp = progress.ramp(0.0, 200.0);
             let expected = 200.0 * (progress.done + fraction) / 20.0;
@@ -125,7 +126,7 @@ mod tests {
     #[test]
     fn a_load_stays_at_its_target_after_its_stage() {
         for done in [3.0, 4.0, 10.5] {
-            let progress = Progress { done, total: 3.0, ..Progress::default() };
+            let progress = ClasticProgress { done, total: 3.0, ..ClasticProgress::default() };
             let ramp = progress.ramp(1.0, 7.0);
             assert_eq!((ramp.from, ramp.to), (7.0, 7.0), "after {done} increments");
         }
@@ -133,16 +134,16 @@ mod tests {
 
     #[test]
     fn a_whole_increment_at_the_end_meets_its_target_exactly() {
-        let progress = Progress { done: 2.0, total: 3.0, ..Progress::default() };
+        let progress = ClasticProgress { done: 2.0, total: 3.0, ..ClasticProgress::default() };
         assert_eq!(progress.ramp(0.1, 0.7).at(1.0), 0.7);
-        assert_eq!(Progress::default().ramp(0.1, 0.7).to, 0.7);
+        assert_eq!(ClasticProgress::default().ramp(0.1, 0.7).to, 0.7);
     }
 
     #[test]
     fn a_stage_is_not_over_within_an_avalanche() {
-        let progress = Progress { done: 3.0, total: 3.0, ..Progress::default() };
+        let progress = ClasticProgress { done: 3.0, total: 3.0, ..ClasticProgress::default() };
         assert!(progress.is_over());
-        assert!(!Progress { relaxing: true, ..progress }.is_over());
+        assert!(!ClasticProgress { relaxing: true, ..progress }.is_over());
     }
 
     /// An increment that was tried with `OneRound` had a length of 0 or less where an app has no
@@ -150,7 +151,8 @@ mod tests {
     #[test]
     fn increments_without_a_stage_and_after_it_have_their_whole_length() {
         let left = |done, total, relaxing| {
-            Progress { done, total, relaxing, ..Progress::default() }.left_of_increment()
+            ClasticProgress { done, total, relaxing, ..ClasticProgress::default() }
+                .left_of_increment()
         };
         assert_eq!(left(0.0, 0.0, false), 1.0);
         assert_eq!(left(2.25, 0.0, true), 0.75);
@@ -164,9 +166,9 @@ mod tests {
 
     #[test]
     fn without_a_stage_a_load_gets_its_new_target_at_once() {
-        let progress = Progress::default();
+        let progress = ClasticProgress::default();
         assert_eq!(progress.retarget(0.0, 5.0, 8.0), (8.0, 8.0));
         assert_eq!(progress.part(0.0), 1.0);
-        assert_eq!(Progress { total: 4.0, ..progress }.part(1.0), 0.25);
+        assert_eq!(ClasticProgress { total: 4.0, ..progress }.part(1.0), 0.25);
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{BodyPosition, ExternalForce, LastMotion, Ramp};
-use crate::increment::Progress;
+use crate::increment::ClasticProgress;
 use crate::material::ContactLaw;
 
 /// A rigid wall: an infinite line for contact, drawn between its ends, unless it has another
@@ -164,7 +164,7 @@ impl WallTable {
     /// Value when `progress.done` increments are done, and at the end of the whole increment after
     /// them. Within an increment the value is linear, so that parts of it add up to the whole.
     #[must_use]
-    pub fn next(&self, progress: &Progress, dt: Option<f64>) -> [DVec2; 2] {
+    pub fn next(&self, progress: &ClasticProgress, dt: Option<f64>) -> [DVec2; 2] {
         let after = |n: f64| self.at(dt.map_or_else(|| progress.part(n), |dt| n * dt));
         let whole = progress.done.floor();
         let [start, end] = [after(whole), after(whole + 1.0)];
@@ -178,9 +178,9 @@ impl WallTable {
 
 impl WallControl {
     /// Changes the value at the end of the stage and keeps the current value
-    /// ([`Progress::retarget`]). Controls without a load do not change.
+    /// ([`ClasticProgress::retarget`]). Controls without a load do not change.
     #[must_use]
-    pub fn retarget(self, progress: &Progress, target: f64) -> Self {
+    pub fn retarget(self, progress: &ClasticProgress, target: f64) -> Self {
         match self {
             Self::Force { from, to } => {
                 let (from, to) = progress.retarget(from, to, target);

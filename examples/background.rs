@@ -68,7 +68,7 @@ impl Engine {
 fn picture(world: &mut World) -> Picture {
     let mut disks = world.query_filtered::<(&BodyId, &BodyPosition), With<Particle>>();
     Picture {
-        increment: world.resource::<Progress>().increment,
+        increment: world.resource::<ClasticProgress>().increment,
         disks: disks.iter(world).map(|(id, position)| (*id, position.0)).collect(),
     }
 }
@@ -99,10 +99,10 @@ struct Slow(Receiver<()>);
 pub fn main() {
     let (drawn, slow) = channel();
     let engine = Engine::start(move |app| {
-        app.insert_resource(Analysis {
+        app.insert_resource(ClasticAnalysis {
             kind: AnalysisKind::Dynamic { dt: 5.0e-3, theta: 1.0 },
             gravity: DVec2::new(0.0, -9.81),
-            ..Analysis::default()
+            ..ClasticAnalysis::default()
         });
         app.world_mut().spawn(Particle::disk(0.1, 2650.0, 1.0));
         app.insert_non_send(Slow(slow));
@@ -138,7 +138,8 @@ pub fn main() {
 
     // Gravity is turned off between two increments; the disk then keeps its speed.
     let engine = app.world().resource::<Engine>();
-    let order: Order = Box::new(|world| world.resource_mut::<Analysis>().gravity = DVec2::ZERO);
+    let order: Order =
+        Box::new(|world| world.resource_mut::<ClasticAnalysis>().gravity = DVec2::ZERO);
     engine.orders.send(order).unwrap_or_else(|e| panic!("{e}"));
     drop(drawn);
     let fall = |app: &mut App| {

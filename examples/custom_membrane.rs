@@ -40,7 +40,7 @@ impl Plugin for BathPlugin {
 /// the exact resultant of a pressure that grows linearly.
 fn press(
     bodies: Res<BodyTable>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     mut baths: Query<&mut Bath>,
     mut loads: ResMut<TrialLoads>,
 ) {
@@ -72,7 +72,7 @@ pub fn main() {
     };
     let sand = material::Material { name: "sand".into(), density: 2650.0, contact, bond: None };
     app.insert_resource(material::Materials(vec![sand]));
-    app.insert_resource(Analysis { thickness: THICKNESS, ..Default::default() });
+    app.insert_resource(ClasticAnalysis { thickness: THICKNESS, ..Default::default() });
 
     let world = app.world_mut();
     let mut held = None;

@@ -15,7 +15,7 @@ const AGE: u64 = 10;
 
 fn break_old_bonds(
     (contacts, bodies): (Res<ContactTable>, Res<BodyTable>),
-    (progress, solution): (Res<Progress>, Res<ConeSolution>),
+    (progress, solution): (Res<ClasticProgress>, Res<ConeSolution>),
     mut bonds: Query<&mut BondState>,
     mut record: ResMut<Observation>,
 ) {

@@ -21,7 +21,7 @@ fn tilt(app: &mut App) {
 }
 
 /// Gravity turns by `angle`, in radians.
-fn begin_tilt(stage: Res<CurrentStage>, mut analysis: ResMut<Analysis>) {
+fn begin_tilt(stage: Res<CurrentStage>, mut analysis: ResMut<ClasticAnalysis>) {
     let Stage::Custom(stage) = &stage.0 else { return };
     let angle = stage.values.get("angle").copied().unwrap_or(0.0);
     analysis.gravity = DVec2::from_angle(angle).rotate(analysis.gravity);

@@ -24,7 +24,7 @@ impl Sine {
     }
 }
 
-fn follow(progress: Res<Progress>, mut lids: Query<(&Sine, &BodyPosition, &mut WallDrive)>) {
+fn follow(progress: Res<ClasticProgress>, mut lids: Query<(&Sine, &BodyPosition, &mut WallDrive)>) {
     for (sine, place, mut drive) in &mut lids {
         // A drive is for a whole increment. If an increment was halved, only `left` of it remains.
         // The motion is computed from the position of the lid, so that no error adds up.

@@ -27,7 +27,7 @@ struct Shown {
 /// A system of yours that reads what was committed last, once per frame.
 fn show(
     disks: Query<&BodyVelocity, With<Particle>>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     mut shown: ResMut<Shown>,
 ) {
     shown.frames += 1;
@@ -43,10 +43,10 @@ pub fn main() {
         .add_systems(Update, show)
         // Instead of the clock, so that the numbers below are always the same.
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)))
-        .insert_resource(Analysis {
+        .insert_resource(ClasticAnalysis {
             kind: AnalysisKind::Dynamic { dt: 5.0e-3, theta: 1.0 },
             gravity: DVec2::new(0.0, -9.81),
-            ..Analysis::default()
+            ..ClasticAnalysis::default()
         });
     let disk = Particle::disk(0.1, 1.0 / (0.01 * std::f64::consts::PI), 1.0);
     app.world_mut().spawn((disk, BodyPosition::default()));

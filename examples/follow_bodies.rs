@@ -41,7 +41,7 @@ pub fn main() {
     app.add_plugins((ClasticPlugins::default(), TransformPlugin, FollowBodies(1.0e3)));
     let gravity = DVec2::new(0.0, -9.81);
     let kind = AnalysisKind::Dynamic { dt: 1.0e-2, theta: 1.0 };
-    app.insert_resource(Analysis { kind, gravity, ..Analysis::default() });
+    app.insert_resource(ClasticAnalysis { kind, gravity, ..ClasticAnalysis::default() });
     let disk = Particle::disk(0.1, 2650.0, 1.0);
     let spin = BodyAngularVelocity(1.0);
     let body = app.world_mut().spawn((disk, BodyPosition(DVec2::new(0.5, 1.0)), spin)).id();

@@ -40,9 +40,9 @@ pub fn main() {
         .add_systems(Update, draw)
         // Frames of 20 ms instead of the clock.
         .insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(20)))
-        .insert_resource(Analysis {
+        .insert_resource(ClasticAnalysis {
             kind: AnalysisKind::Dynamic { dt: 0.1, theta: 1.0 },
-            ..Analysis::default()
+            ..ClasticAnalysis::default()
         });
     let disk = Particle::disk(0.1, 2650.0, 1.0);
     app.world_mut().spawn((disk, BodyVelocity(DVec2::new(SPEED, 0.0))));
@@ -50,7 +50,7 @@ pub fn main() {
     for _ in 0..51 {
         app.update();
     }
-    let increments = app.world().resource::<Progress>().increment;
+    let increments = app.world().resource::<ClasticProgress>().increment;
     let drawn = &app.world().resource::<Drawn>().0;
     println!("{increments} increments in {} frames, drawn up to {:.3} m", drawn.len(), drawn[50]);
     assert_eq!((increments, drawn.len()), (10, 51));

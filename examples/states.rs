@@ -13,10 +13,10 @@ use glam::DVec2;
 fn empty() -> App {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());
-    app.insert_resource(Analysis {
+    app.insert_resource(ClasticAnalysis {
         kind: AnalysisKind::Dynamic { dt: 1.0e-2, theta: 0.5 },
         gravity: DVec2::new(0.0, -9.81),
-        ..Analysis::default()
+        ..ClasticAnalysis::default()
     });
     app
 }

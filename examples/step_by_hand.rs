@@ -11,10 +11,10 @@ use glam::DVec2;
 pub fn main() {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());
-    app.insert_resource(Analysis {
+    app.insert_resource(ClasticAnalysis {
         kind: AnalysisKind::Dynamic { dt: 1.0e-3, theta: 1.0 },
         gravity: DVec2::new(0.0, -9.81),
-        ..Analysis::default()
+        ..ClasticAnalysis::default()
     });
     // 1 m thick; the density makes it 1 kg.
     let disk = Particle::disk(0.1, 1.0 / (0.01 * std::f64::consts::PI), 1.0);

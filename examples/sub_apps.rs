@@ -66,7 +66,7 @@ pub fn main() {
     println!("{forces:.3?} N");
     for (k, stiffness) in stiffnesses.into_iter().enumerate() {
         assert!((forces[k] - 2.0e-6 * stiffness).abs() < 1e-6);
-        let progress = app.sub_app(Specimen(k)).world().resource::<Progress>();
+        let progress = app.sub_app(Specimen(k)).world().resource::<ClasticProgress>();
         assert_eq!(progress.increment, 3);
     }
 }

@@ -90,7 +90,7 @@ use clastic_systems::update_state::UpdateStatePlugin;
 /// runs, so that nothing would move and nothing say so. For a simulation in the time of the clock
 /// give
 /// `ClasticPlugins::new(FixedPostUpdate)`: an increment is then one time step, whose duration
-/// `Analysis` alone has (`Time<Fixed>` follows it), and `Time<Virtual>` makes it faster or slower.
+/// `ClasticAnalysis` alone has (`Time<Fixed>` follows it), and `Time<Virtual>` makes it faster or slower.
 pub struct ClasticPlugins {
     schedule: InternedScheduleLabel,
 }
@@ -154,7 +154,7 @@ pub mod prelude {
     pub use crate::components::collision::{BodyHit, Collision};
     pub use crate::components::contact::{BodyTable, ContactTable};
     pub use crate::components::increment::{
-        Acceptance, Analysis, AnalysisKind, FrictionLaw, Progress, RuptureRules,
+        Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
     };
     pub use crate::components::link::{Link, LinkKind};
     pub use crate::components::loads::TrialLoads;

@@ -7,7 +7,7 @@ use clastic_components::body::BodyId;
 use clastic_components::collision::{BodyHit, Collision};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 
 use crate::stepping::{AdvanceIncrement, AdvanceSystems};
 
@@ -33,7 +33,7 @@ pub fn announce_collisions(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     history: Res<ContactHistory>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     mut touching: Local<Vec<(BodyId, BodyId)>>,
     mut messages: MessageWriter<Collision>,
     mut commands: Commands,

@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{AppliedLoad, BodyId, LoadControl};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 
 use crate::schedule::{ControlSystems, ControlWalls};
 use crate::state::RegisterState;
@@ -19,9 +19,9 @@ impl Plugin for ControlLoadsPlugin {
     }
 }
 
-/// Writes [`AppliedLoad`] for the increment that starts at [`Progress::done`].
+/// Writes [`AppliedLoad`] for the increment that starts at [`ClasticProgress::done`].
 pub fn control_loads(
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     mut particles: Query<(&LoadControl, &mut AppliedLoad)>,
 ) {
     for (control, mut load) in &mut particles {

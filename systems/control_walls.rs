@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, BodyPosition, Ramp};
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::{
     LoadedLength, TableOf, Wall, WallControl, WallDrive, WallName, WallRotation, WallSlide,
     WallTable,
@@ -43,10 +43,10 @@ impl Plugin for ControlWallsPlugin {
     }
 }
 
-/// Writes the [`WallDrive`] of every wall for the increment that starts at [`Progress::done`].
+/// Writes the [`WallDrive`] of every wall for the increment that starts at [`ClasticProgress::done`].
 pub fn control_walls(
-    progress: Res<Progress>,
-    analysis: Res<Analysis>,
+    progress: Res<ClasticProgress>,
+    analysis: Res<ClasticAnalysis>,
     geometry: Query<(&Wall, &BodyPosition)>,
     mut walls: Query<(
         Entity,
@@ -125,7 +125,7 @@ pub fn control_walls(
 }
 
 /// Time step of a dynamic analysis, s.
-fn time_step(analysis: &Analysis) -> Option<f64> {
+fn time_step(analysis: &ClasticAnalysis) -> Option<f64> {
     match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => Some(dt),
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
@@ -141,8 +141,8 @@ fn ramp([from, to]: [DVec2; 2]) -> Ramp {
 pub fn renew_stresses<'w>(
     bodies: &mut BodyTable,
     table_of: impl Fn(Entity) -> Option<&'w WallTable>,
-    progress: &Progress,
-    analysis: &Analysis,
+    progress: &ClasticProgress,
+    analysis: &ClasticAnalysis,
 ) {
     for k in 0..bodies.walls.len() {
         let wall = &bodies.walls[k];

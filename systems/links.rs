@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{BodyDrive, BodyId, BodyPosition, BodyRotation};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::link::{Link, LinkBetween, LinkKind, LinkRow};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallRotation};
@@ -165,7 +165,7 @@ pub(crate) fn end_links_of(world: &mut World, id: BodyId) {
 /// of a point that turns with its body is the angle times the arm.
 pub(crate) fn assemble(
     bodies: &BodyTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     fraction: f64,
     interactions: &mut Vec<Interaction>,
 ) {
@@ -210,7 +210,7 @@ pub(crate) fn assemble(
 }
 
 /// Motion (m, m, rad) of a body in a whole increment if it goes on as before.
-fn expected_motion(bodies: &BodyTable, analysis: &Analysis, row: usize) -> DVec3 {
+fn expected_motion(bodies: &BodyTable, analysis: &ClasticAnalysis, row: usize) -> DVec3 {
     let velocity = bodies.velocities[row].extend(bodies.angular_velocities[row]);
     let last = DVec3::from_array(bodies.last_motion[row]);
     let mut motion = match analysis.kind {

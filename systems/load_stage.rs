@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::LoadControl;
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::membrane::Membrane;
 use clastic_components::wall::WallControl;
 
@@ -14,7 +14,7 @@ use clastic_components::wall::WallControl;
 /// go to their targets linearly over the stage, and stay there when it is over. A load that was
 /// spawned before the first stage is at its target already. Tables of walls begin anew.
 pub fn begin_stage(world: &mut World, increments: u32) {
-    let progress = world.resource::<Progress>().clone();
+    let progress = world.resource::<ClasticProgress>().clone();
     let begin = |from: &mut f64, to: f64| *from = progress.ramp(*from, to).from;
     for mut control in world.query::<&mut LoadControl>().iter_mut(world) {
         for (from, to) in &mut control.0 {
@@ -39,6 +39,6 @@ pub fn begin_stage(world: &mut World, increments: u32) {
             }
         }
     }
-    let mut progress = world.resource_mut::<Progress>();
+    let mut progress = world.resource_mut::<ClasticProgress>();
     (progress.done, progress.total) = (0.0, f64::from(increments));
 }

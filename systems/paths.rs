@@ -19,7 +19,7 @@
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, Contact, ContactTable, WallRow};
 use clastic_components::findings::Impacts;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
 use glam::DVec2;
 
@@ -42,9 +42,9 @@ enum Path {
 pub fn paths(
     bodies: &BodyTable,
     contacts: &ContactTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     acceptance: &Acceptance,
-    progress: &Progress,
+    progress: &ClasticProgress,
     program: &ConeProgram,
     solution: &ConeSolution,
     impacts: &Impacts,

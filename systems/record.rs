@@ -13,7 +13,7 @@ use clastic_components::body::{
 use clastic_components::bond::BondState;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
-use clastic_components::increment::{Progress, RuptureOrder, RuptureRules};
+use clastic_components::increment::{ClasticProgress, RuptureOrder, RuptureRules};
 use clastic_components::measure::{
     CrackSums, NamedMeasures, Readings, StrainPath, StrainReference,
 };
@@ -126,7 +126,7 @@ fn record_state(
     contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     attempt: Res<Attempt>,
     loops: (Res<Ruptures>, Res<Corrections>, Res<Sliding>),
     order: (Res<RuptureRules>, Res<EventSearch>),

@@ -14,7 +14,7 @@ use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
 use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::Ruptures;
-use clastic_components::increment::{Analysis, RollingLimit, RuptureRules};
+use clastic_components::increment::{ClasticAnalysis, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Limits};
@@ -271,7 +271,7 @@ pub fn rupture_bonds(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     materials: Res<Materials>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     mut history: ResMut<ContactHistory>,
     mut record: ResMut<Observation>,
     mut bonds: Query<&mut BondState>,
@@ -298,7 +298,7 @@ pub fn release<'a>(
     bodies: &BodyTable,
     contacts: &ContactTable,
     materials: &Materials,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     history: &mut ContactHistory,
 ) {
     for rupture in ruptures {

@@ -5,7 +5,7 @@
 //! force and friction: it releases its cohesion, which is small beside the forces around it.
 
 use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_components::material::Materials;
 
 use crate::assemble_program::interactions::contact_law;
@@ -18,7 +18,7 @@ pub struct Laws<'a> {
     /// Contact laws of their materials.
     pub materials: &'a Materials,
     /// Kind of analysis.
-    pub analysis: &'a Analysis,
+    pub analysis: &'a ClasticAnalysis,
 }
 
 /// Mean force that the ruptures of bonds release, over the mean of the contact forces,
@@ -71,7 +71,8 @@ mod tests {
         let material = Material { contact: contact_law, ..Material::default() };
         let materials = Materials(vec![material]);
         let bodies = BodyTable { particles: 2, materials: vec![0, 0], ..BodyTable::default() };
-        let laws = Laws { bodies: &bodies, materials: &materials, analysis: &Analysis::default() };
+        let laws =
+            Laws { bodies: &bodies, materials: &materials, analysis: &ClasticAnalysis::default() };
         brittleness(due, &[contact(0.0), contact(0.0), contact(1e-6)], forces, laws)
     }
 

@@ -24,7 +24,7 @@ use bevy_ecs::schedule::{
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact_history::KeptRows;
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::observation::Timings;
 
 use crate::state::RegisterState;
@@ -48,7 +48,7 @@ pub struct ControlWalls;
 /// [`TrialLoads`](clastic_components::loads::TrialLoads). They may read the initial state of the
 /// trial from [`BodyTable`](clastic_components::contact::BodyTable), while entities keep the last
 /// committed state. The trial ends at `done + fraction` of
-/// [`Progress`].
+/// [`ClasticProgress`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct AddTrialLoads;
 
@@ -126,7 +126,7 @@ pub fn start_clock(mut lap: ResMut<Lap>, mut timings: ResMut<Timings>) {
     lap.0 = Instant::now();
 }
 
-/// Name of [`Progress`] in a state.
+/// Name of [`ClasticProgress`] in a state.
 pub const PROGRESS: &str = "progress";
 
 /// Run condition: rows have changed because bodies were added or removed.
@@ -144,8 +144,9 @@ pub struct SchedulePlugin;
 
 impl Plugin for SchedulePlugin {
     fn build(&self, app: &mut App) {
-        app.register_resource::<Progress>(PROGRESS).register_resource::<Analysis>("analysis");
-        app.init_resource::<Progress>()
+        app.register_resource::<ClasticProgress>(PROGRESS)
+            .register_resource::<ClasticAnalysis>("analysis");
+        app.init_resource::<ClasticProgress>()
             .init_resource::<Timings>()
             .insert_resource(Lap(Instant::now()));
         let settings = ScheduleBuildSettings {

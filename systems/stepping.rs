@@ -24,7 +24,7 @@ use bevy_ecs::schedule::{
 use bevy_time::{Fixed, Time};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::Particle;
 
 use crate::attempt::proof::proof;
@@ -158,7 +158,7 @@ pub struct ClasticHalted(
 
 /// Adds [`AdvanceIncrement`] and runs it whenever `schedule` runs and [`ClasticRunning`] allows it.
 /// In one of Bevy's fixed schedules an increment is one time step: `Time<Fixed>` follows `dt` of
-/// the [`Analysis`].
+/// the [`ClasticAnalysis`].
 pub struct SteppingPlugin {
     /// The schedule of the app that makes increments.
     pub schedule: InternedScheduleLabel,
@@ -218,7 +218,7 @@ impl Plugin for SteppingPlugin {
 
 /// Gives Bevy's fixed schedules the time step of a dynamic analysis, which has it alone. In
 /// statics, where increments have no duration, the app chooses how many it wants per second.
-fn follow_time_step(analysis: Res<Analysis>, mut time: ResMut<Time<Fixed>>) {
+fn follow_time_step(analysis: Res<ClasticAnalysis>, mut time: ResMut<Time<Fixed>>) {
     let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
     // Others are refused when the increment begins.
     let step = Duration::try_from_secs_f64(dt).unwrap_or_default();
@@ -246,9 +246,9 @@ fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
     if is_empty || !world.resource::<ClasticRunning>().may_go_on() {
         return;
     }
-    let before = world.resource::<Progress>().increment;
+    let before = world.resource::<ClasticProgress>().increment;
     advance(world);
-    let increment = world.resource::<Progress>().increment;
+    let increment = world.resource::<ClasticProgress>().increment;
     if let Some((by, reason)) = obstacle(world, increment != before) {
         world.insert_resource(ClasticRunning::Stopped(by));
         let stopped = ClasticStopped { by, increment, reason };

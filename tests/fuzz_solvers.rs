@@ -16,7 +16,7 @@ use bevy_ecs::system::RunSystemOnce;
 use clastic::components::attempt::Attempt;
 use clastic::components::contact::BodyTable;
 use clastic::components::findings::Sliding;
-use clastic::components::increment::{Acceptance, Analysis, FrictionLaw};
+use clastic::components::increment::{Acceptance, ClasticAnalysis, FrictionLaw};
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::Condensed;
@@ -165,7 +165,7 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
     world.insert_resource(solver);
     world.init_resource::<FrictionLaw>();
     world.init_resource::<Sliding>();
-    world.init_resource::<Analysis>();
+    world.init_resource::<ClasticAnalysis>();
     world.init_resource::<BodyTable>();
     world.init_resource::<Attempt>();
     world.init_resource::<ConeSolution>();

@@ -2,7 +2,7 @@
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{BodyOrigin, BodyPosition};
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::components::observation::Observation;
 use clastic::components::wall::WallName;
 use clastic::output::frames::specimen_rows;
@@ -302,7 +302,7 @@ fn prepared(mut loaded: LoadedScene) -> Result<LoadedScene, BenchError> {
         if let Step::Finished(outcome) = simulation.step() {
             return Err(BenchError::Run(format!("no packing: {outcome:?}")));
         }
-        let progress = simulation.world().resource::<Progress>();
+        let progress = simulation.world().resource::<ClasticProgress>();
         if progress.stage + 1 == compactions && progress.done >= progress.total {
             break;
         }

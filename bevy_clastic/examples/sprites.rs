@@ -12,7 +12,7 @@ pub fn app() -> App {
     app.add_plugins((DefaultPlugins, ClasticPlugins::new(FixedPostUpdate)))
         // 300 pixels in a metre.
         .add_plugins(FollowPlugin { scale: 300.0 })
-        .insert_resource(Analysis { kind, gravity: DVec2::new(0.0, -9.81), ..default() })
+        .insert_resource(ClasticAnalysis { kind, gravity: DVec2::new(0.0, -9.81), ..default() })
         .insert_resource(material::Materials(vec![material::Material {
             contact: ContactLaw { friction: 0.5, ..default() },
             ..default()

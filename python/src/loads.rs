@@ -4,7 +4,7 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use clastic::components::contact::BodyTable;
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::components::loads::TrialLoads;
 use clastic::prelude::{AddTrialLoads, ClasticHalted};
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -30,7 +30,7 @@ pub fn add(app: &mut App) {
 fn ask(
     function: Res<LoadFunction>,
     bodies: Res<BodyTable>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     mut loads: ResMut<TrialLoads>,
     mut commands: Commands,
 ) {
@@ -48,7 +48,7 @@ fn ask(
 fn trial<'py>(
     py: Python<'py>,
     bodies: &BodyTable,
-    progress: &Progress,
+    progress: &ClasticProgress,
 ) -> PyResult<Bound<'py, PyAny>> {
     let n = bodies.particles;
     let pairs = |v: &[glam::DVec2]| v[..n].iter().flat_map(|x| x.to_array()).collect();

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clastic::components::contact::BodyTable;
-use clastic::components::increment::{Analysis, Progress};
+use clastic::components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic::frames::Frame;
 use clastic::run::Outcome;
 use clastic::run::minerals::specimen;
@@ -155,14 +155,14 @@ impl Simulation {
     /// Stage, its increments that are done, and all of them.
     fn progress(&self, py: Python) -> PyResult<(String, f64, f64)> {
         self.worker.call(py, |model| {
-            let progress = model.simulation.world().resource::<Progress>();
+            let progress = model.simulation.world().resource::<ClasticProgress>();
             (progress.stage_name.clone(), progress.done, progress.total)
         })
     }
 
     /// Time, s.
     fn time(&self, py: Python) -> PyResult<f64> {
-        self.worker.call(py, |model| model.simulation.world().resource::<Progress>().time)
+        self.worker.call(py, |model| model.simulation.world().resource::<ClasticProgress>().time)
     }
 
     /// Identities of the particles, an array (n).
@@ -243,7 +243,7 @@ impl Simulation {
         self.worker.call(py, |model| {
             let world = model.world();
             if world.resource::<Script>().begun {
-                let mut progress = world.resource_mut::<Progress>();
+                let mut progress = world.resource_mut::<ClasticProgress>();
                 progress.total = progress.done;
             }
         })
@@ -252,20 +252,20 @@ impl Simulation {
     /// Gravity, m/s^2, and the factor on all strengths.
     fn analysis(&self, py: Python) -> PyResult<((f64, f64), f64)> {
         self.worker.call(py, |model| {
-            let analysis = model.simulation.world().resource::<Analysis>();
+            let analysis = model.simulation.world().resource::<ClasticAnalysis>();
             (analysis.gravity.into(), analysis.strength)
         })
     }
 
     fn set_gravity(&self, py: Python, gravity: (f64, f64)) -> PyResult<()> {
         self.worker.call(py, move |model| {
-            model.world().resource_mut::<Analysis>().gravity = gravity.into();
+            model.world().resource_mut::<ClasticAnalysis>().gravity = gravity.into();
         })
     }
 
     fn set_strength(&self, py: Python, factor: f64) -> PyResult<()> {
         self.worker.call(py, move |model| {
-            model.world().resource_mut::<Analysis>().strength = factor;
+            model.world().resource_mut::<ClasticAnalysis>().strength = factor;
         })
     }
 

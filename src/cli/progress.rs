@@ -3,7 +3,7 @@
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
-use crate::components::increment::Progress as Place;
+use crate::components::increment::ClasticProgress;
 use crate::components::observation::Observation;
 use crate::scene::shown::label;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -55,7 +55,7 @@ impl Progress {
     }
 
     /// Shows the progress after an increment.
-    pub fn show(&mut self, place: &Place, o: &Observation) {
+    pub fn show(&mut self, place: &ClasticProgress, o: &Observation) {
         let name = label(&place.stage_name);
         let title = |stages| format!("stage {}/{stages} {name}", place.stage + 1);
         match self {

@@ -5,7 +5,7 @@ use std::path::Path;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::components::increment::Progress as Place;
+use crate::components::increment::ClasticProgress;
 use crate::components::observation::Observation;
 use crate::output::directory::default_directory;
 use crate::output::found::Found;
@@ -86,7 +86,7 @@ pub fn to_the_end(
         if let Step::Finished(outcome) = step {
             break Ending::Finished(outcome);
         }
-        progress.show(world.resource::<Place>(), world.resource::<Observation>());
+        progress.show(world.resource::<ClasticProgress>(), world.resource::<Observation>());
         if interrupt.requested() && world.resource::<Script>().outcome.is_none() {
             break Ending::Interrupted;
         }

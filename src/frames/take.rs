@@ -9,7 +9,7 @@ use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::material::Materials;
 use clastic_components::membrane::{Membrane, MembraneShape};
 use clastic_components::observation::Observation;
@@ -23,10 +23,10 @@ pub struct FrameTables<'w, 's> {
     bodies: Res<'w, BodyTable>,
     history: Res<'w, ContactHistory>,
     kept: Res<'w, KeptRows>,
-    analysis: Res<'w, Analysis>,
+    analysis: Res<'w, ClasticAnalysis>,
     materials: Res<'w, Materials>,
     observation: Res<'w, Observation>,
-    progress: Res<'w, Progress>,
+    progress: Res<'w, ClasticProgress>,
     cell: Option<Res<'w, PeriodicCell>>,
     bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
     origins: Query<'w, 's, (&'static BodyOrigin, Option<&'static Group>)>,

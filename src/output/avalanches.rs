@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::bond::RuptureMode;
 use clastic_components::findings::EventSearch;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_systems::measures::elastic_energy;
@@ -135,7 +135,7 @@ impl Avalanche {
 #[derive(SystemParam)]
 pub(super) struct Now<'w> {
     observation: Res<'w, Observation>,
-    progress: Res<'w, Progress>,
+    progress: Res<'w, ClasticProgress>,
     search: Res<'w, EventSearch>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,

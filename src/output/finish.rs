@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 
 use super::avalanches::CurrentAvalanche;
@@ -87,7 +87,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
 fn needs_checkpoint(world: &World, ending: &Ending) -> bool {
     let run = world.resource::<RunDirectory>();
     let goes_on = world.resource::<Script>().outcome.is_none();
-    let made = world.resource::<Progress>().increment;
+    let made = world.resource::<ClasticProgress>().increment;
     let is_interrupted = goes_on && *ending == Ending::Interrupted && run.saved != Some(made);
     // The checkpoint precedes a refused stage, which can begin after its settings are changed.
     is_interrupted || matches!(ending, Ending::Finished(Outcome::Refused { .. }))

@@ -6,7 +6,7 @@ use std::path::Path;
 use bevy_ecs::prelude::*;
 
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
 
@@ -118,7 +118,7 @@ impl FrameMoments {
 
 /// System: writes the frame of the start after the first increment of the reference stage.
 pub(super) fn write_start(
-    (script, progress): (Res<Script>, Res<Progress>),
+    (script, progress): (Res<Script>, Res<ClasticProgress>),
     mut frames: ResMut<FrameMoments>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::material::Materials;
 use clastic_components::observation::{Measures, Observation};
 use clastic_components::wall::Wall;
@@ -65,7 +65,7 @@ impl Prepared {
 /// leave it: those without increments as well. Exclusive, because it gathers the tables.
 pub(super) fn take_start(world: &mut World) {
     let is_reference =
-        world.resource::<Progress>().stage == world.resource::<Script>().reference_stage();
+        world.resource::<ClasticProgress>().stage == world.resource::<Script>().reference_stage();
     if is_reference && world.resource::<PreparedSpecimen>().waiting.is_some() {
         let _ = world.run_system_cached(gather_bodies);
         let prepared = Prepared::take(world);
@@ -77,7 +77,7 @@ pub(super) fn take_start(world: &mut World) {
 
 /// Follows the specimen up to the reference stage. Writes it when that stage begins.
 pub fn prepare(
-    (script, progress, observation): (Res<Script>, Res<Progress>, Res<Observation>),
+    (script, progress, observation): (Res<Script>, Res<ClasticProgress>, Res<Observation>),
     (bodies, materials, measures): (Res<BodyTable>, Res<Materials>, Res<Measures>),
     (scenery, walls): (Scenery, Query<&Wall>),
     mut specimen: ResMut<PreparedSpecimen>,
@@ -126,7 +126,7 @@ pub(super) fn write_packing(world: &mut World) -> Result<(), OutputError> {
         write(&mut run, &mut world.resource_mut::<PreparedSpecimen>(), &packing, moment)
     })?;
     let script = world.resource::<Script>();
-    if world.resource::<Progress>().stage >= script.reference_stage() {
+    if world.resource::<ClasticProgress>().stage >= script.reference_stage() {
         // The scene has no loading stage, so its result is the packing.
         world.resource_mut::<Found>().porosity = porosity::in_cell_or_box(&packing);
     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_systems::schedule::PROGRESS;
 
@@ -41,7 +41,7 @@ pub fn save(world: &mut World) -> Result<(), OutputError> {
 pub struct LastCheckpoint(Checkpoint);
 
 /// Run condition: no stage has another increment. A stage of a plugin may still decide otherwise.
-pub fn is_last_increment(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
+pub fn is_last_increment(script: Option<Res<Script>>, progress: Res<ClasticProgress>) -> bool {
     script.is_some_and(|script| {
         let to_come = script.scene.stages.iter().skip(progress.stage + 1);
         script.begun && progress.is_over() && !to_come.clone().any(Stage::has_increments)
@@ -78,6 +78,6 @@ fn state(world: &mut World, name: &str) -> Result<(u64, WorldState), OutputError
     let path = world.resource::<RunDirectory>().path(name);
     let invalid = |error: StateError| OutputError::at(&path)(io::Error::other(error));
     let state = capture(world).map_err(invalid)?;
-    let increment = state.get::<Progress>(PROGRESS).map_err(invalid)?.increment;
+    let increment = state.get::<ClasticProgress>(PROGRESS).map_err(invalid)?.increment;
     Ok((increment, state))
 }

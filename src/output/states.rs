@@ -4,7 +4,7 @@ use std::path::Path;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
 
@@ -55,7 +55,7 @@ fn write(path: &Path, tables: &Tables) -> Result<(), OutputError> {
 /// Files of `Save` stages that had begun in a state.
 #[must_use]
 pub fn kept_before(scene: &Scene, state: &WorldState) -> Vec<String> {
-    let progress = state.get::<Progress>(PROGRESS).map_or(0, |progress| progress.stage);
+    let progress = state.get::<ClasticProgress>(PROGRESS).map_or(0, |progress| progress.stage);
     let begun = state.get::<ScriptState>(SCRIPT).is_ok_and(|script| script.begun);
     let stages = scene.stages.iter().take(progress + usize::from(begun));
     stages

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 
 use crate::run::stages::Script;
@@ -20,7 +20,7 @@ pub struct Wanted {
 
 /// Decides which output is wanted.
 pub fn decide(
-    (script, progress): (Res<Script>, Res<Progress>),
+    (script, progress): (Res<Script>, Res<ClasticProgress>),
     observation: Res<Observation>,
     mut wanted: ResMut<Wanted>,
 ) {

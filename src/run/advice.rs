@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::contact::BodyTable;
 use clastic_components::findings::Sliding;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::WallName;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_systems::assemble_program::known_pairs::{Forced, forced};
@@ -20,7 +20,7 @@ const GOOD: f64 = 1e-6;
 
 /// The complaint about an undecided increment, with its place and advice.
 pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String {
-    let increment = world.resource::<Progress>().increment;
+    let increment = world.resource::<ClasticProgress>().increment;
     let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
     let forced = locked.then(|| forced(world.resource::<ConeProgram>())).flatten();
     let remedies = match stage {
@@ -63,7 +63,7 @@ fn of_equilibrium(world: &World) -> Vec<String> {
         remedies.push("an `acceptance.residual` above that of the best solution".to_owned());
         remedies.push("`friction_law: Associated`".to_owned());
     }
-    if world.resource::<Analysis>().kind == AnalysisKind::Static {
+    if world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static {
         remedies.push(
             "a stage with `analysis: Dynamic(..)` before it, in which the specimen comes to rest \
              under the same loads"
@@ -98,7 +98,7 @@ fn jammed(world: &mut World, stage: &Compact) -> String {
 fn driven_together(world: &World, pair: Forced) -> String {
     let bodies = world.resource::<BodyTable>();
     // The last attempt may have been at a fraction of the increment, or at the fraction 0.
-    let fraction = world.resource::<Progress>().fraction;
+    let fraction = world.resource::<ClasticProgress>().fraction;
     let closing = if fraction > 0.0 { pair.closing / fraction } else { pair.closing };
     let overlap = closing - pair.gap;
     format!(

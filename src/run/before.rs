@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
 use clastic_components::contact_history::KeptRows;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::measure::Readings;
 use clastic_components::observation::Observation;
 use clastic_systems::solve_program::Solver;
@@ -14,7 +14,7 @@ use clastic_systems::solve_program::Solver;
 #[derive(Resource, Clone, Debug, Default)]
 pub struct Before {
     /// Progress of the run.
-    pub progress: Progress,
+    pub progress: ClasticProgress,
     /// Record of the previous increment.
     pub observation: Observation,
     /// Readings of the named measures after the previous increment.
@@ -27,7 +27,7 @@ pub struct Before {
 
 /// Copies the state.
 pub fn take_down(
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     observation: Res<Observation>,
     readings: Res<Readings>,
     solver: Option<Res<Solver>>,

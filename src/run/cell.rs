@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 
 use crate::scene::format as scene;
 
@@ -60,7 +60,7 @@ pub fn control(world: &mut World, stage: &scene::Load) {
 
 /// Leaves stresses at the values that they have reached.
 pub fn end_early(world: &mut World) {
-    let progress = world.resource::<Progress>().clone();
+    let progress = world.resource::<ClasticProgress>().clone();
     let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() else { return };
     for control in &mut cell.controls {
         if let CellControl::Stress { from, to } = control {

@@ -7,7 +7,7 @@ use clastic_components::body::{BodyId, BodyOrigin};
 use clastic_components::bond::Bond;
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::material::{BondLaw, Materials};
 use clastic_systems::assemble_program::interactions::contact_law;
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
@@ -152,7 +152,7 @@ fn gathered(world: &mut World) -> (BodyTable, ContactHistory) {
 /// nothing, whatever its overlap.
 fn carried(world: &World, bodies: &BodyTable, history: &ContactHistory, contact: &Contact) -> f64 {
     let Some(memory) = history.get(contact.a, contact.b) else { return 0.0 };
-    let analysis = world.resource::<Analysis>();
+    let analysis = world.resource::<ClasticAnalysis>();
     let law = contact_law(bodies, world.resource::<Materials>(), analysis, contact);
     match analysis.kind {
         // The memory of a time step is the mean over the step.

@@ -8,7 +8,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::wall::WallControl;
 
 use super::state::StateView;
@@ -142,7 +142,7 @@ pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &StateView) {
         return;
     }
     if old.increments != new.increments {
-        world.resource_mut::<Progress>().total = f64::from(new.increments);
+        world.resource_mut::<ClasticProgress>().total = f64::from(new.increments);
     }
     for (name, wanted) in &new.walls {
         if let (Some(control), true) = (motion(wanted), old.walls.get(name) != Some(wanted)) {

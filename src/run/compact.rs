@@ -11,7 +11,7 @@ use clastic_components::body::{
 };
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};
 
@@ -24,7 +24,7 @@ use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
 /// Moves the wall, or grows the radii, towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
     let Disks { area, mean_radius, largest, .. } = disks(world);
-    world.resource_mut::<Analysis>().kind = AnalysisKind::Compaction {
+    world.resource_mut::<ClasticAnalysis>().kind = AnalysisKind::Compaction {
         affine: stage.rest == CompactRest::Affine,
         agitation: stage.agitation * mean_radius,
         seed: stage.seed,
@@ -35,7 +35,7 @@ pub fn begin(world: &mut World, stage: &Compact) {
         let factor = grow::factor(world, stage, area).unwrap_or(1.0);
         if factor > 1.0 {
             let steps = ((factor - 1.0) * largest / stage.step).ceil().max(1.0);
-            world.resource_mut::<Progress>().total = steps;
+            world.resource_mut::<ClasticProgress>().total = steps;
         }
         return;
     }
@@ -43,7 +43,7 @@ pub fn begin(world: &mut World, stage: &Compact) {
         && let Some(porosity) = target_porosity(world, stage)
     {
         if let Some(steps) = cell::compact(world, area, porosity, stage.step) {
-            world.resource_mut::<Progress>().total = steps;
+            world.resource_mut::<ClasticProgress>().total = steps;
         }
         return;
     }
@@ -65,7 +65,7 @@ pub fn begin(world: &mut World, stage: &Compact) {
         return;
     }
     let steps = (distance / stage.step).ceil().max(1.0);
-    world.resource_mut::<Progress>().total = steps;
+    world.resource_mut::<ClasticProgress>().total = steps;
     let inward = world.get::<Wall>(base).map(Wall::inward).unwrap_or_default();
     world.entity_mut(wall).insert(WallControl::Displacement(-inward * (distance / steps)));
 }

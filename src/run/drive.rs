@@ -1,12 +1,12 @@
 //! The drive of a degree of freedom that follows from the motion of a scene.
 
 use clastic_components::body::BodyDrive;
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 
 use crate::scene::format as scene;
 
 /// The drive of a motion in a stage with this analysis.
-pub(super) fn drive(motion: scene::Motion, analysis: &Analysis) -> BodyDrive {
+pub(super) fn drive(motion: scene::Motion, analysis: &ClasticAnalysis) -> BodyDrive {
     let dt = match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => dt,
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::LoadControl;
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
 
 use super::membranes;
@@ -11,8 +11,8 @@ use super::membranes;
 /// Ends controls of walls that last for one stage: loads from tables keep the values that they have
 /// reached, and lids stop.
 pub fn end(world: &mut World) {
-    let progress = world.resource::<Progress>().clone();
-    let dt = match world.resource::<Analysis>().kind {
+    let progress = world.resource::<ClasticProgress>().clone();
+    let dt = match world.resource::<ClasticAnalysis>().kind {
         AnalysisKind::Dynamic { dt, .. } => Some(dt),
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
     };
@@ -38,7 +38,7 @@ pub fn end(world: &mut World) {
 /// Ends the current stage before its loads reach their targets. The next stage starts from the
 /// current loads, and keeps those that it does not change.
 pub fn end_early(world: &mut World) {
-    let progress = world.resource::<Progress>().clone();
+    let progress = world.resource::<ClasticProgress>().clone();
     let reached = |from: f64, to: f64| progress.ramp(from, to).from;
     end(world);
     super::cell::end_early(world);

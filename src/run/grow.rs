@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::body::BodyId;
 use clastic_components::bond::BondState;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::particle::Particle;
 
 use super::compact::target_porosity;
@@ -19,11 +19,11 @@ use super::script::Script;
 use crate::scene::format::{Compact, CompactBy, Stage};
 
 /// Run condition: the stage compacts by radii.
-pub(super) fn are_growing(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
+pub(super) fn are_growing(script: Option<Res<Script>>, progress: Res<ClasticProgress>) -> bool {
     script.is_some_and(|script| growing(&script, &progress).is_some())
 }
 
-fn growing<'a>(script: &'a Script, progress: &Progress) -> Option<&'a Compact> {
+fn growing<'a>(script: &'a Script, progress: &ClasticProgress) -> Option<&'a Compact> {
     match script.stage(progress.stage) {
         Some(Stage::Compact(stage)) if stage.by == CompactBy::Radii => Some(stage),
         _ => None,
@@ -52,7 +52,7 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
 /// Sets the radii of the tables to those at the end of the attempt. Exclusive, because it looks for
 /// walls by name.
 pub(super) fn grow(world: &mut World) {
-    let progress = world.resource::<Progress>();
+    let progress = world.resource::<ClasticProgress>();
     let Some(stage) = growing(world.resource::<Script>(), progress).cloned() else { return };
     let share = (progress.fraction / (progress.total - progress.done)).min(1.0);
     let mut particles = world.query::<(&BodyId, &Particle)>();

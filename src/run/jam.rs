@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 use clastic_systems::stepping::{IncrementDue, IncrementUndone};
 
@@ -24,7 +24,7 @@ pub(super) fn ends(world: &mut World, stage: &Stage) -> bool {
         return false;
     }
     let Before { progress, observation, readings, .. } = world.resource::<Before>().clone();
-    world.insert_resource(Progress { done: progress.total, ..progress });
+    world.insert_resource(ClasticProgress { done: progress.total, ..progress });
     world.insert_resource(observation);
     world.insert_resource(readings);
     let porosity = reached(world, stage).map(|reached| reached.porosity);

@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::step_control::StepControl;
 
 use super::script::Script;
@@ -47,11 +47,11 @@ fn set_up(
     kind: Option<scene::Analysis>,
     gravity: Option<(f64, f64)>,
     increments: u32,
-) -> Analysis {
+) -> ClasticAnalysis {
     let scene = &world.resource::<Script>().scene;
     let analysis =
         analysis(scene, kind.unwrap_or(scene.analysis), gravity.unwrap_or(scene.gravity));
     world.insert_resource(analysis);
-    world.resource_mut::<Progress>().total = f64::from(increments);
+    world.resource_mut::<ClasticProgress>().total = f64::from(increments);
     analysis
 }

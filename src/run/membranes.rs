@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use clastic_components::body::{BodyId, ExternalForce};
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::membrane::{Course, Membrane};
 use clastic_components::wall::{Wall, WallControl};
 use clastic_systems::gather_bodies::gather_bodies;
@@ -68,7 +68,7 @@ fn made(
 /// Mean normal stress of walls, Pa: the stress that they impose, or their reaction over the drawn
 /// length. A membrane in their place starts from it. 0 without walls.
 pub fn stress_of(world: &mut World, names: &[String]) -> f64 {
-    let thickness = world.resource::<Analysis>().thickness;
+    let thickness = world.resource::<ClasticAnalysis>().thickness;
     let walls: Vec<Entity> = names.iter().flat_map(|name| find_walls(world, name)).collect();
     let stress = |wall: &Entity| {
         if let Some(WallControl::Stress { to, .. }) = world.get::<WallControl>(*wall) {
@@ -89,7 +89,7 @@ pub fn stress_of(world: &mut World, names: &[String]) -> f64 {
 }
 
 /// Leaves the membranes at the pressures that they have reached.
-pub fn end_early(world: &mut World, progress: &Progress) {
+pub fn end_early(world: &mut World, progress: &ClasticProgress) {
     let mut membranes = world.query::<&mut Membrane>();
     for mut membrane in membranes.iter_mut(world) {
         membrane.pressure.1 = membrane.ramp(progress).from;

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyDrive, BodyDrives, BodyPosition, LoadControl};
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_components::particle::Particle;
 
 use super::drive::drive;
@@ -12,7 +12,7 @@ use crate::scene::format as scene;
 
 /// Sets drives and loads of the particles for a loading stage. Drives end with their stage. Loads
 /// keep their last values.
-pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
+pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &ClasticAnalysis) {
     let mut particles =
         world.query_filtered::<(&mut BodyDrives, &mut LoadControl), With<Particle>>();
     for (mut drives, mut loads) in particles.iter_mut(world) {

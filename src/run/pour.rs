@@ -7,7 +7,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyOrigin, BodyPosition, BodyVelocity, Group};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::poured::Poured;
 
@@ -39,10 +39,10 @@ pub fn begin(world: &mut World, stage: &Pour) {
 /// room. Exclusive, because it adds bodies.
 pub(super) fn pour(world: &mut World) {
     let script = world.resource::<Script>();
-    let progress = world.resource::<Progress>();
+    let progress = world.resource::<ClasticProgress>();
     let Some(Stage::Pour(stage)) = script.stage(progress.stage) else { return };
     let Stream { rate, .. } = stage.stream;
-    let analysis = world.resource::<Analysis>();
+    let analysis = world.resource::<ClasticAnalysis>();
     let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
     let Some(poured) = world.get_resource::<Poured>() else { return };
     let (time, total) = (progress.time, progress.total);

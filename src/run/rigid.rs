@@ -7,7 +7,7 @@ use clastic_components::body::{
     BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
     BodyVelocity, ExternalForce, LoadControl, Probe,
 };
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::{WallControl, WallRotation, WallSlide, WallTable};
@@ -26,7 +26,7 @@ pub fn find_group(world: &mut World, name: &str) -> Option<Entity> {
 }
 
 /// Releases, makes and controls the rigid groups of a stage.
-pub fn control_groups(world: &mut World, stage: &scene::Load, analysis: &Analysis) {
+pub fn control_groups(world: &mut World, stage: &scene::Load, analysis: &ClasticAnalysis) {
     for name in &stage.release {
         if let Some(group) = find_group(world, name) {
             world.despawn(group);
@@ -54,7 +54,7 @@ fn set_control(
     world: &mut World,
     entity: Entity,
     control: Option<&scene::RigidControl>,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
 ) {
     let get = |world: &World| {
         let drives = world.get::<BodyDrives>(entity).map(|drives| drives.0).unwrap_or_default();

@@ -2,24 +2,28 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::WallTable;
 
 use super::script::Script;
 use crate::scene::format::{Load, Stage};
 
 /// Run condition: the stage has factors.
-pub(super) fn is_scaled(script: Option<Res<Script>>, progress: Res<Progress>) -> bool {
+pub(super) fn is_scaled(script: Option<Res<Script>>, progress: Res<ClasticProgress>) -> bool {
     script.is_some_and(|script| scaled(&script, &progress).is_some())
 }
 
-fn scaled<'a>(script: &'a Script, progress: &Progress) -> Option<&'a Load> {
+fn scaled<'a>(script: &'a Script, progress: &ClasticProgress) -> Option<&'a Load> {
     let load = script.stage(progress.stage).and_then(Stage::load)?;
     (!load.scale.is_default()).then_some(load)
 }
 
 /// Sets gravity and strength to those at the end of the attempt.
-pub(super) fn scale(script: Res<Script>, progress: Res<Progress>, mut analysis: ResMut<Analysis>) {
+pub(super) fn scale(
+    script: Res<Script>,
+    progress: Res<ClasticProgress>,
+    mut analysis: ResMut<ClasticAnalysis>,
+) {
     let Some(load) = scaled(&script, &progress) else { return };
     let dt = match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => Some(dt),

@@ -11,7 +11,7 @@ use crate::scene::shown::label;
 pub struct Script {
     /// The scene.
     pub scene: Scene,
-    /// Whether the stage at [`Progress::stage`](clastic_components::increment::Progress::stage) has
+    /// Whether the stage at [`ClasticProgress::stage`](clastic_components::increment::ClasticProgress::stage) has
     /// begun.
     pub begun: bool,
     /// Maximum speed of a particle after the last increment of the stage, m/s.

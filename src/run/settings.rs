@@ -61,7 +61,11 @@ fn condensed(residual: f64) -> Condensed {
 
 /// Analysis of a stage.
 #[must_use]
-pub fn analysis(scene: &scene::Scene, kind: scene::Analysis, gravity: (f64, f64)) -> inc::Analysis {
+pub fn analysis(
+    scene: &scene::Scene,
+    kind: scene::Analysis,
+    gravity: (f64, f64),
+) -> inc::ClasticAnalysis {
     let (kind, path_theta) = match kind {
         scene::Analysis::Static => (inc::AnalysisKind::Static, None),
         // With theta below 1 rigid contacts have a rebound of their own.
@@ -70,7 +74,7 @@ pub fn analysis(scene: &scene::Scene, kind: scene::Analysis, gravity: (f64, f64)
         }
         scene::Analysis::Dynamic { dt, theta } => (inc::AnalysisKind::Dynamic { dt, theta }, None),
     };
-    inc::Analysis {
+    inc::ClasticAnalysis {
         kind,
         gravity: gravity.into(),
         strength: 1.0,

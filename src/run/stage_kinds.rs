@@ -8,7 +8,7 @@ use bevy_ecs::schedule::ScheduleLabel;
 
 use crate::scene::format::CustomStage;
 
-/// Begins the [`CurrentStage`](super::stages::CurrentStage): sets controls and `Progress::total`,
+/// Begins the [`CurrentStage`](super::stages::CurrentStage): sets controls and `ClasticProgress::total`,
 /// which is 0 for a stage without increments.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct BeginStage;

@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Measures;
 use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
@@ -30,7 +30,7 @@ pub fn change_stages(world: &mut World) {
         if script.outcome.is_some() {
             break false;
         }
-        let progress = world.resource::<Progress>();
+        let progress = world.resource::<ClasticProgress>();
         let Some(stage) = script.stage(progress.stage).cloned() else {
             let outcome = match script.collapse.clone() {
                 Some(collapse) => Outcome::Collapsed(collapse),
@@ -98,7 +98,7 @@ fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
 }
 
 fn begin(world: &mut World, stage: Stage) {
-    let mut progress = world.resource_mut::<Progress>();
+    let mut progress = world.resource_mut::<ClasticProgress>();
     progress.stage_name = stage.name().to_owned();
     progress.done = 0.0;
     progress.total = 0.0;
@@ -144,7 +144,7 @@ fn end(world: &mut World, stage: Stage) {
     let missed = until::missed(world, &stage);
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(EndStage);
-    world.resource_mut::<Progress>().stage += 1;
+    world.resource_mut::<ClasticProgress>().stage += 1;
     let mut script = world.resource_mut::<Script>();
     script.begun = false;
     if let Some(end) = script.ends.last_mut()

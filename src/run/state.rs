@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::body::{BodyId, BodyOrigin, LoadControl};
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::KeptRows;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::measure::NamedMeasures;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::gather_bodies;
@@ -227,8 +227,8 @@ pub fn rewind(world: &mut World, state: &WorldState) -> Result<(), StateError> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct StateView {
     /// Progress of the run.
-    pub progress: Progress,
-    /// Whether the stage at [`Progress::stage`] has begun.
+    pub progress: ClasticProgress,
+    /// Whether the stage at [`ClasticProgress::stage`] has begun.
     pub begun: bool,
     /// Whether a stop or a collapse has ended that stage.
     pub ended: bool,

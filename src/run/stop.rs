@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::BodyVelocity;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_components::poured::Poured;
 use clastic_systems::attempt::dense::is_unsettled;
@@ -31,7 +31,7 @@ impl Collapse {
             );
             (CollapsedBy::Motion, reason)
         };
-        let increment = world.resource::<Progress>().increment;
+        let increment = world.resource::<ClasticProgress>().increment;
         Self { stage: stage.name().to_owned(), increment, by, reason }
     }
 }
@@ -39,7 +39,7 @@ impl Collapse {
 /// Evaluates the status of the increment and the stop conditions of the stage. Exclusive, because a
 /// collapse or a stop affects all walls and particles.
 pub fn end_increment(world: &mut World) {
-    let index = world.resource::<Progress>().stage;
+    let index = world.resource::<ClasticProgress>().stage;
     let Some(stage) = world.resource::<Script>().stage(index).cloned() else { return };
     let stage = &stage;
     if until::repeats(world, stage) || jam::ends(world, stage) {
@@ -49,7 +49,7 @@ pub fn end_increment(world: &mut World) {
         let attempt = world.resource::<Attempt>();
         (attempt.status, attempt.complaint.clone())
     };
-    let increment = world.resource::<Progress>().increment;
+    let increment = world.resource::<ClasticProgress>().increment;
     let (mut held, mut passed) = (None, None);
     let ended_by = match status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
@@ -61,16 +61,16 @@ pub fn end_increment(world: &mut World) {
                 }
             }
             // A stage ends only after its last avalanche.
-            if world.resource::<Progress>().relaxing {
+            if world.resource::<ClasticProgress>().relaxing {
                 (held, passed) = (None, None);
             }
-            let waits = world.resource::<Progress>().relaxing
+            let waits = world.resource::<ClasticProgress>().relaxing
                 || world.resource::<Observation>().in_avalanche;
             let custom = world.resource::<Script>().stop && !waits;
             let ends = held.is_some() || custom;
             if ends && is_unsettled(world.resource(), world.resource(), world.resource()) {
                 // The conditions are read again in the equilibrium at constant load.
-                world.resource_mut::<Progress>().relaxing = true;
+                world.resource_mut::<ClasticProgress>().relaxing = true;
                 held = None;
                 None
             } else {
@@ -96,7 +96,7 @@ pub fn end_increment(world: &mut World) {
     }
     if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
         end_load::end_early(world);
-        let mut progress = world.resource_mut::<Progress>();
+        let mut progress = world.resource_mut::<ClasticProgress>();
         progress.done = progress.total;
         progress.relaxing = false;
     }
@@ -110,7 +110,7 @@ fn error_of_stress(world: &mut World) -> f64 {
 /// The first stop condition of the stage that is met.
 fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
     let stress = world.resource::<Observation>().axial_stress;
-    let time = world.resource::<Progress>().time;
+    let time = world.resource::<ClasticProgress>().time;
     let mut velocities = world.query::<&BodyVelocity>();
     let maximum = velocities.iter(world).map(|v| v.0.length()).fold(0.0, f64::max);
     let mut script = world.resource_mut::<Script>();

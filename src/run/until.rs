@@ -7,9 +7,9 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::analysis::{Analysis, AnalysisKind};
+use clastic_components::analysis::{AnalysisKind, ClasticAnalysis};
 use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_systems::state::{StateOf, WorldState};
 use clastic_systems::stepping::{ClasticHalted, IncrementDue, IncrementUndone};
@@ -61,7 +61,7 @@ impl StateOf for Approach {
 #[derive(Resource)]
 pub struct Undoable {
     state: WorldState,
-    /// [`Progress::tried`] before the increment was shortened.
+    /// [`ClasticProgress::tried`] before the increment was shortened.
     tried: f64,
     /// [`Script::stop`], which is no part of the state.
     stop: bool,
@@ -95,7 +95,7 @@ pub(super) fn keep_state(world: &mut World) {
     if world.contains_resource::<Undoable>() {
         return;
     }
-    let progress = world.resource::<Progress>();
+    let progress = world.resource::<ClasticProgress>();
     let stage = world.resource::<Script>().stage(progress.stage);
     let Some((name, value)) = stage.and_then(until) else { return };
     let name = name.to_owned();
@@ -106,7 +106,8 @@ pub(super) fn keep_state(world: &mut World) {
     }
     // As the attempts do it.
     let whole = done + (2.0 * tried).min(1.0 - done.fract());
-    let is_dynamic = matches!(world.resource::<Analysis>().kind, AnalysisKind::Dynamic { .. });
+    let is_dynamic =
+        matches!(world.resource::<ClasticAnalysis>().kind, AnalysisKind::Dynamic { .. });
     // A static stage reads the equilibrium with which it begins. A dynamic one has none: it reads
     // what the state keeps. Both follow from a saved state, so that a run in two pieces begins the
     // stage as a run in one does.
@@ -129,7 +130,7 @@ pub(super) fn keep_state(world: &mut World) {
         Some(search) => search.first().unwrap_or(whole),
         None => done + if is_dynamic { READING } else { RESOLUTION },
     };
-    world.resource_mut::<Progress>().tried = 0.5 * (asked - done);
+    world.resource_mut::<ClasticProgress>().tried = 0.5 * (asked - done);
     world.insert_resource(Undoable { state, tried, stop, search, asked });
 }
 
@@ -159,7 +160,7 @@ pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
         return true;
     }
     undoable.asked = end;
-    let mut progress = world.resource_mut::<Progress>();
+    let mut progress = world.resource_mut::<ClasticProgress>();
     progress.tried = 0.5 * (end - progress.done);
     world.insert_resource(undoable);
     true
@@ -178,7 +179,7 @@ pub(super) fn is_halted(
 /// begins anew.
 pub(super) fn forget_halted(
     undoable: Res<Undoable>,
-    mut progress: ResMut<Progress>,
+    mut progress: ResMut<ClasticProgress>,
     mut commands: Commands,
 ) {
     progress.tried = undoable.tried;
@@ -194,7 +195,7 @@ fn begin_anew(world: &mut World, undoable: &Undoable, name: &str, value: f64) ->
     let start = reading(world, name).filter(|_| is_solved);
     let error = error_of(world, name);
     if undo(world, undoable) {
-        let done = world.resource::<Progress>().done;
+        let done = world.resource::<ClasticProgress>().done;
         let mut approach = world.resource_mut::<Approach>();
         match start {
             Some(start) => _ = approach.see(done, start, value, error),
@@ -222,7 +223,7 @@ fn undo(world: &mut World, undoable: &Undoable) -> bool {
 fn tried(world: &mut World, name: &str, value: f64, asked: f64) -> Option<Try> {
     let now = reading(world, name)?;
     let error = error_of(world, name);
-    let end = [world.resource::<Progress>().done, now];
+    let end = [world.resource::<ClasticProgress>().done, now];
     let ruptures = world.resource::<Observation>().in_avalanche;
     let mut approach = world.resource::<Approach>().clone();
     let tolerance = approach.see(end[0], now, value, error);
@@ -250,7 +251,7 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
     let (name, value) = until(stage)?;
     let now = reading(world, name)?;
     let error = error_of(world, name);
-    let done = world.resource::<Progress>().done;
+    let done = world.resource::<ClasticProgress>().done;
     let mut approach = world.resource_mut::<Approach>();
     let tolerance = approach.see(done, now, value, error);
     if approach.side != 0.0 && approach.side * (value - now) <= tolerance {

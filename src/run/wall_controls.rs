@@ -5,7 +5,7 @@ use bevy_ecs::system::RunSystemOnce;
 use glam::DVec2;
 
 use clastic_components::body::{BodyId, BodyPosition, ExternalForce, LastMotion};
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_components::wall::{
     LoadedLength, TableOf, Wall, WallControl, WallName, WallRotation, WallSlide, WallTable,
 };
@@ -125,7 +125,7 @@ fn stress_length(
     let measure =
         move |geometry: Query<(&Wall, &BodyPosition)>| loaded_length(wall, length, &geometry);
     let metres = world.run_system_once(measure).unwrap_or(1.0);
-    (length, metres * world.resource::<Analysis>().thickness)
+    (length, metres * world.resource::<ClasticAnalysis>().thickness)
 }
 
 /// Force of the wall on the specimen along its inward normal, N. The load of a wall that was held

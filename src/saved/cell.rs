@@ -1,7 +1,7 @@
 //! The periodic cell of a saved state. A state without one has no such arrays.
 
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_systems::gather_bodies::PERIODIC_CELL;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
@@ -19,7 +19,7 @@ pub(crate) fn of(state: &WorldState) -> Result<Option<PeriodicCell>, StateError>
 
 pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), SavedError> {
     let Some(cell) = of(state)? else { return Ok(()) };
-    let progress: Progress = state.get(PROGRESS)?;
+    let progress: ClasticProgress = state.get(PROGRESS)?;
     let size = [cell.width, cell.height, cell.tilt];
     tables.put("cell.size_m", Array::f64(size.to_vec()));
     tables.put("cell.shear", Array::value(cell.shear));

@@ -4,7 +4,7 @@ use clastic_components::body::{
     BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation, ExternalForce,
     LastMotion, LoadControl, Probe, Ramp,
 };
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
@@ -55,7 +55,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     }
     let ids: Vec<_> = groups.iter().map(|(id, _)| *id).collect();
     let ids = ids.as_slice();
-    let progress: Progress = state.get(PROGRESS)?;
+    let progress: ClasticProgress = state.get(PROGRESS)?;
     tables.put("rigid.id", Array::u32(ids.iter().map(|id| id.0).collect()));
     tables.put("rigid.name", Array::text(groups.iter().map(|(_, group)| group.name.clone())));
     tables.put("rigid.has_pivot", Array::bool(groups.iter().map(|(_, g)| g.has_pivot).collect()));

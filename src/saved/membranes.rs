@@ -1,7 +1,7 @@
 //! The membranes of a saved state. A state without any has no such arrays.
 
 use clastic_components::body::BodyId;
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::membrane::{Course, Membrane, Sides};
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
 use clastic_systems::schedule::PROGRESS;
@@ -23,7 +23,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     if list.is_empty() {
         return Ok(());
     }
-    let progress: Progress = state.get(PROGRESS)?;
+    let progress: ClasticProgress = state.get(PROGRESS)?;
     let text = |of: fn(&Membrane) -> String| Array::text(list.iter().map(of));
     tables.put("membranes.name", text(|membrane| membrane.name.clone()));
     // A pressure stays at what it has reached.

@@ -21,7 +21,7 @@ mod walls;
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_components::material::Materials;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::state::{StateError, WorldState};
@@ -129,7 +129,7 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     let _ = world.run_system_cached(gather_bodies);
     let mut tables = Tables::default();
     tables.put("format", Array::word(&format!("{FORMAT} {VERSION}")));
-    let thickness = world.resource::<Analysis>().thickness;
+    let thickness = world.resource::<ClasticAnalysis>().thickness;
     progress::write(&state, thickness, &mut tables)?;
     let materials = world.resource::<Materials>();
     tables.put("materials.name", Array::text(materials.0.iter().map(|m| m.name.clone())));

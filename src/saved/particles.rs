@@ -4,7 +4,7 @@ use clastic_components::body::{
     BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
     BodyVelocity, ExternalForce, Group, LastMotion, LoadControl, Probe, Ramp,
 };
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
@@ -55,7 +55,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     let particles = state.components::<BodyId, Particle>("particle")?;
     let ids: Vec<_> = particles.iter().map(|(id, _)| *id).collect();
     let ids = ids.as_slice();
-    let progress: Progress = state.get(PROGRESS)?;
+    let progress: ClasticProgress = state.get(PROGRESS)?;
     tables.put("particles.id", Array::u32(ids.iter().map(|id| id.0).collect()));
     let positions = each::<BodyPosition>(state, "position", ids)?;
     tables.put("particles.position_m", Array::vectors(positions.iter().map(|x| x.0.to_array())));

@@ -1,7 +1,7 @@
 //! Quantities that count from the start of the first run: increments, time, identities, energies.
 
 use clastic_components::energy::{Changed, Energies, EnergyLedger, Released};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_systems::identities::NextIdentities;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
@@ -33,7 +33,7 @@ pub(super) fn write(
     thickness: f64,
     tables: &mut Tables,
 ) -> Result<(), SavedError> {
-    let progress: Progress = state.get(PROGRESS)?;
+    let progress: ClasticProgress = state.get(PROGRESS)?;
     let next: NextIdentities = state.get(IDENTITIES)?;
     tables.put("increment", Array::count(progress.increment));
     tables.put("time_s", Array::value(progress.time));
@@ -67,7 +67,7 @@ pub(super) fn read(tables: &Tables, state: &mut WorldState) -> Result<Counts, Sa
     };
     let next = NextIdentities { body: identity("next_body")?, bond: identity("next_bond")? };
     state.set(IDENTITIES, &next)?;
-    state.set(PROGRESS, &Progress { increment, time, ..Progress::default() })?;
+    state.set(PROGRESS, &ClasticProgress { increment, time, ..ClasticProgress::default() })?;
     if !tables.has("energy.total_j") {
         none_of(tables, "energy.", "energy.total_j")?;
     } else {

@@ -1,7 +1,7 @@
 //! Controls and drives of the walls of a saved state.
 
 use clastic_components::body::{BodyId, Ramp};
-use clastic_components::increment::Progress;
+use clastic_components::increment::ClasticProgress;
 use clastic_components::wall::WallDrive;
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
@@ -21,7 +21,7 @@ pub(super) fn write(
     ids: &[BodyId],
     tables: &mut Tables,
 ) -> Result<(), SavedError> {
-    let progress: Progress = state.get(PROGRESS)?;
+    let progress: ClasticProgress = state.get(PROGRESS)?;
     let controls: ControlStates = state.get(WALL_CONTROL)?;
     let control = |id: &BodyId| {
         let found = controls.0.binary_search_by_key(id, |(id, _)| *id).ok();

@@ -9,7 +9,7 @@ use glam::DVec2;
 use clastic_components::body::BodyDrive;
 use clastic_components::cell::CellControl;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
@@ -18,8 +18,8 @@ use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
 /// Fills `out` with one entry per body.
 pub fn assemble(
     bodies: &BodyTable,
-    analysis: &Analysis,
-    progress: &Progress,
+    analysis: &ClasticAnalysis,
+    progress: &ClasticProgress,
     interactions: &[Interaction],
     loads: &TrialLoads,
     out: &mut Vec<ProgramBody>,
@@ -117,7 +117,7 @@ pub fn assemble(
 
 fn particle_dof(
     bodies: &BodyTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     increment: u64,
     fraction: f64,
     affine: &Affine,
@@ -167,7 +167,7 @@ struct Affine {
 }
 
 impl Affine {
-    fn of(bodies: &BodyTable, analysis: &Analysis, fraction: f64) -> Self {
+    fn of(bodies: &BodyTable, analysis: &ClasticAnalysis, fraction: f64) -> Self {
         let AnalysisKind::Compaction { affine: true, .. } = analysis.kind else {
             return Self { moving: None, cell: None };
         };

@@ -4,7 +4,7 @@
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
 
 /// The body of the cell. The stress acts on the area at the start of the increment.
@@ -12,8 +12,8 @@ use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody}
 pub fn body(
     bodies: &BodyTable,
     cell: &PeriodicCell,
-    analysis: &Analysis,
-    progress: &Progress,
+    analysis: &ClasticAnalysis,
+    progress: &ClasticProgress,
 ) -> ProgramBody {
     let factors = cell.factors(bodies.mean_radius);
     let loads = cell.loads_of_controls(bodies.mean_radius, analysis.thickness);

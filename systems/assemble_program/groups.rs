@@ -3,7 +3,7 @@
 
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::loads::AddedLoad;
 use clastic_components::rigid_group::GroupRow;
 use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
@@ -29,7 +29,7 @@ pub fn join(bodies: &BodyTable, interactions: &mut [Interaction]) {
 #[must_use]
 pub fn body(
     bodies: &BodyTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     fraction: f64,
     group: &GroupRow,
     acts: (bool, bool),

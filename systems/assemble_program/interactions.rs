@@ -17,7 +17,7 @@ use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, BondRow, Contact};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::{Corrections, Pushed};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{Interaction, Limits};
 
@@ -42,7 +42,7 @@ pub fn assemble(
     contacts: &[Contact],
     history: &ContactHistory,
     materials: &Materials,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     findings: Findings,
     out: &mut Vec<Interaction>,
     last: &mut Vec<[f64; 3]>,
@@ -67,7 +67,7 @@ pub fn assemble(
 pub fn contact_law(
     bodies: &BodyTable,
     materials: &Materials,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     contact: &Contact,
 ) -> ContactLaw {
     if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
@@ -117,7 +117,7 @@ pub fn moment_after_rupture(
 
 fn bonded(
     bodies: &BodyTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     findings: Findings,
     contact: &Contact,
     bond: &BondRow,
@@ -147,7 +147,7 @@ fn bonded(
 
 fn unbonded(
     bodies: &BodyTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     findings: Findings,
     contact: &Contact,
     law: &ContactLaw,
@@ -173,7 +173,7 @@ fn unbonded(
 
 fn interaction(
     bodies: &BodyTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     findings: Findings,
     contact: &Contact,
     gap: f64,

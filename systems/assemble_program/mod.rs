@@ -21,7 +21,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed, Restraints};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
 use clastic_cone::program::ConeProgram;
@@ -61,7 +61,7 @@ pub struct Trial<'w> {
     contacts: Res<'w, ContactTable>,
     history: Res<'w, DraftHistory>,
     loads: Res<'w, TrialLoads>,
-    progress: Res<'w, Progress>,
+    progress: Res<'w, ClasticProgress>,
     attempt: Res<'w, Attempt>,
 }
 
@@ -69,7 +69,7 @@ pub struct Trial<'w> {
 #[derive(SystemParam)]
 pub struct Settings<'w> {
     materials: Res<'w, Materials>,
-    analysis: Res<'w, Analysis>,
+    analysis: Res<'w, ClasticAnalysis>,
     acceptance: Res<'w, Acceptance>,
 }
 

@@ -28,7 +28,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Impact, Impacts, Pushed};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::material::Materials;
 use clastic_cone::program::ConeProgram;
 
@@ -37,7 +37,7 @@ use super::interactions::contact_law;
 use crate::attempt::push_out::{overlaps, residual_overlap};
 
 /// Run condition: contacts have restitution in this stage.
-pub fn has_restitution(analysis: Res<Analysis>) -> bool {
+pub fn has_restitution(analysis: Res<ClasticAnalysis>) -> bool {
     analysis.path_theta.is_some() && matches!(analysis.kind, AnalysisKind::Dynamic { .. })
 }
 
@@ -46,9 +46,9 @@ pub fn assemble_rebounds(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     materials: Res<Materials>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     pushed: Res<Pushed>,
     mut program: ResMut<ConeProgram>,
     mut impacts: ResMut<Impacts>,

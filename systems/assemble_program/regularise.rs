@@ -10,7 +10,7 @@ use clastic_components::attempt::{Effort, Mode};
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::{Bearing, Centre, Restraints};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, Dof};
 
@@ -35,7 +35,7 @@ pub fn regularise(
     bodies: &BodyTable,
     contacts: &[Contact],
     history: &ContactHistory,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     acceptance: &Acceptance,
     mode: &Mode,
     restraints: &Restraints,

@@ -7,15 +7,15 @@ use glam::DVec2;
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
 /// Estimates the scales of the program. The magnitudes of a rejected attempt take precedence.
 pub fn estimate(
     bodies: &BodyTable,
     history: &ContactHistory,
-    analysis: &Analysis,
-    progress: &Progress,
+    analysis: &ClasticAnalysis,
+    progress: &ClasticProgress,
     magnitudes: Option<(f64, f64)>,
     contacts: usize,
     program: &ConeProgram,
@@ -56,7 +56,7 @@ pub(crate) const MAX_MOTION: f64 = 0.1;
 /// Maximum force scale from a failed attempt, relative to the expected scale.
 const MAX_RATIO: f64 = 1e2;
 
-fn displacement(bodies: &BodyTable, analysis: &Analysis, progress: &Progress) -> f64 {
+fn displacement(bodies: &BodyTable, analysis: &ClasticAnalysis, progress: &ClasticProgress) -> f64 {
     // An increment up to an event may have a small fraction of the imposed motion, but ruptures
     // precede it.
     let is_cut = progress.fraction < progress.tried;

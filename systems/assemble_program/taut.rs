@@ -12,7 +12,7 @@
 
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::findings::{Corrections, Restraints};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Interaction, Limits};
 
 /// Elongation over the length of a bond below which it counts as slack.
@@ -40,7 +40,7 @@ fn tension(bond: &Interaction) -> f64 {
 pub fn assemble(
     bodies: &BodyTable,
     contacts: &[Contact],
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     restraints: &Restraints,
     corrections: &Corrections,
     interactions: &mut Vec<Interaction>,

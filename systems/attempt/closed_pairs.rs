@@ -8,7 +8,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_components::findings::AddedPairs;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::detect_contacts::Candidates;
@@ -27,7 +27,7 @@ const MAX_NEAR: f64 = 0.5;
 /// Checks all pairs, not only those of the program, at the positions after the solution. A static
 /// solution that moves a grain without support shows none: the grain crosses thousands of others.
 pub fn judge(
-    settings: (Res<Acceptance>, Res<Analysis>),
+    settings: (Res<Acceptance>, Res<ClasticAnalysis>),
     bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,

@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconverged};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use super::places::{moves_most, near, worst_place};
@@ -22,7 +22,7 @@ pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     mut centre: ResMut<Centre>,

@@ -29,7 +29,7 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::bond::{BondId, Rupture};
 use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::findings::{EventSearch, Ruptures};
-use clastic_components::increment::{Analysis, Progress, RuptureRules};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -51,21 +51,21 @@ pub fn is_dense(search: Res<EventSearch>) -> bool {
 /// without these bonds is not yet known. A stage must not end in such a state, because the next
 /// stage may load in another way.
 #[must_use]
-pub fn is_unsettled(search: &EventSearch, ruptures: &Ruptures, progress: &Progress) -> bool {
+pub fn is_unsettled(search: &EventSearch, ruptures: &Ruptures, progress: &ClasticProgress) -> bool {
     search.dense && (progress.fraction > 0.0 || ruptures.list.len() > ruptures.on_the_way)
 }
 
 /// Collects the bonds that break, or requests a shorter increment.
 pub fn judge(
     rules: Res<RuptureRules>,
-    mut progress: ResMut<Progress>,
+    mut progress: ResMut<ClasticProgress>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     mut ruptures: ResMut<Ruptures>,
     mut search: ResMut<EventSearch>,
-    laws: (Res<Materials>, Res<Analysis>),
+    laws: (Res<Materials>, Res<ClasticAnalysis>),
     mut attempt: ResMut<Attempt>,
 ) {
     let contacts = &contacts.0;

@@ -15,7 +15,8 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, BondRow, ContactTable};
 use clastic_components::findings::{Corrections, EventSearch, EventTrial};
 use clastic_components::increment::{
-    Analysis, AnalysisKind, Avalanche, Progress, RollingLimit, RuptureOrder, RuptureRules,
+    AnalysisKind, Avalanche, ClasticAnalysis, ClasticProgress, RollingLimit, RuptureOrder,
+    RuptureRules,
 };
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -47,11 +48,11 @@ pub fn begin(world: &mut World) {
             && (rules.rolling == RollingLimit::Yields || law.rolling_friction == 0.0)
     };
     let active = rules.order == RuptureOrder::Events
-        && world.resource::<Analysis>().kind == AnalysisKind::Static
+        && world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static
         && world.contains_resource::<BuiltInRule>()
         && !bodies.bonds.is_empty()
         && bodies.bonds.iter().all(is_elastic);
-    let is_dense = world.resource::<Progress>().dense;
+    let is_dense = world.resource::<ClasticProgress>().dense;
     let dense = active && rules.avalanche != Avalanche::Dynamic && is_dense;
     *world.resource_mut::<EventSearch>() =
         EventSearch { active: active && !dense, dense, ..EventSearch::default() };
@@ -59,7 +60,7 @@ pub fn begin(world: &mut World) {
 
 /// Whether the motion that the last ruptures released must still be followed.
 #[must_use]
-pub fn is_released(rules: &RuptureRules, progress: &Progress, search: &EventSearch) -> bool {
+pub fn is_released(rules: &RuptureRules, progress: &ClasticProgress, search: &EventSearch) -> bool {
     let follows = search.active && rules.avalanche == Avalanche::Dynamic;
     follows && progress.relaxing && !search.moved
 }
@@ -71,14 +72,14 @@ pub struct Tables<'w> {
     bodies: Res<'w, BodyTable>,
     contacts: Res<'w, ContactTable>,
     materials: Res<'w, Materials>,
-    analysis: Res<'w, Analysis>,
+    analysis: Res<'w, ClasticAnalysis>,
     corrections: Res<'w, Corrections>,
 }
 
 /// Accepts the trial, with the bond that breaks in it, or requests another fraction.
 pub fn judge(
     tables: Tables,
-    mut progress: ResMut<Progress>,
+    mut progress: ResMut<ClasticProgress>,
     mut program: ResMut<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     mut search: ResMut<EventSearch>,
@@ -155,7 +156,7 @@ impl Tables<'_> {
     }
 
     /// Whether this is the first trial of a loading with which bonds may break together.
-    fn may_break_together(&self, progress: &Progress, search: &EventSearch) -> bool {
+    fn may_break_together(&self, progress: &ClasticProgress, search: &EventSearch) -> bool {
         search.trials == 0
             && search.overload >= 1.0
             && progress.fraction > 0.0
@@ -191,7 +192,7 @@ impl Tables<'_> {
         &self,
         found: &[Overload],
         broken: Option<usize>,
-        progress: &mut Progress,
+        progress: &mut ClasticProgress,
         program: &mut ConeProgram,
         solution: &mut ConeSolution,
         search: &mut EventSearch,
@@ -218,7 +219,7 @@ pub fn halve(world: &mut World) {
     // An increment that fell back to one round stays in this mode.
     let (active, dense) = (search.active, search.dense);
     *world.resource_mut::<EventSearch>() = EventSearch { active, dense, ..Default::default() };
-    let mut progress = world.resource_mut::<Progress>();
+    let mut progress = world.resource_mut::<ClasticProgress>();
     progress.fraction *= 0.5;
     progress.tried = progress.fraction;
 }

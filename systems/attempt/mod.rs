@@ -37,7 +37,9 @@ use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
     AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
 };
-use clastic_components::increment::{Acceptance, Analysis, FrictionLaw, Progress, RuptureRules};
+use clastic_components::increment::{
+    Acceptance, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
+};
 use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
@@ -64,10 +66,10 @@ impl Plugin for AttemptPlugin {
             .init_resource::<EventSearch>()
             .init_resource::<MotionEnergies>()
             .init_resource::<Acceptance>()
-            .init_resource::<Analysis>()
+            .init_resource::<ClasticAnalysis>()
             .init_resource::<FrictionLaw>()
             .init_resource::<RuptureRules>()
-            .init_resource::<Progress>()
+            .init_resource::<ClasticProgress>()
             .add_systems(
                 Increment,
                 run_attempts

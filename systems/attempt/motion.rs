@@ -23,7 +23,7 @@ use clastic_components::contact::{BodyTable, BondRow, Contact, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Ruptures};
-use clastic_components::increment::{Acceptance, Analysis, Progress, RuptureRules};
+use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
@@ -49,7 +49,7 @@ fn units(world: &World, released: bool) -> (f64, f64, f64) {
     }
     let mean = |of: fn(&BondRow) -> f64| bonds.iter().map(of).sum::<f64>() / bonds.len() as f64;
     let elongation = mean(|bond| 2.0 * bond.law.normal_compliance * bond.law.tensile_strength);
-    let length = (elongation * world.resource::<Analysis>().thickness).min(1.0);
+    let length = (elongation * world.resource::<ClasticAnalysis>().thickness).min(1.0);
     (length, mean(|bond| bond.law.normal_compliance.recip()), 1.0)
 }
 
@@ -239,7 +239,7 @@ fn move_tables(world: &mut World) {
         find_ruptures(
             world.resource::<RuptureRules>(),
             Met::Overload,
-            world.resource::<Progress>().increment,
+            world.resource::<ClasticProgress>().increment,
             bodies,
             &contacts.0,
             program,

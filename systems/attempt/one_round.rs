@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Ruptures;
-use clastic_components::increment::{Progress, RuptureRules};
+use clastic_components::increment::{ClasticProgress, RuptureRules};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::rupture_bonds::{Met, find_ruptures};
@@ -13,7 +13,7 @@ use crate::rupture_bonds::{Met, find_ruptures};
 /// Collects the bonds that the increment breaks.
 pub fn collect(
     rules: Res<RuptureRules>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     program: Res<ConeProgram>,

@@ -11,7 +11,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Pushed;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// Maximum overlap that counts as a residual of the last increment, over the tolerance times the
@@ -26,7 +26,7 @@ pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &BodyTable) -> f
 
 /// Keeps the motion of the first solution and requests the second one.
 pub fn judge(
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,

@@ -8,7 +8,7 @@ use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
     AddedPairs, BestUnconverged, EventSearch, Restraints, Ruptures, Sliding,
 };
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::next::{Budget, Next, next};
@@ -21,7 +21,7 @@ use crate::trial_loads::ask_for_loads;
 
 /// Runs [`AttemptIncrement`] until the increment has ended.
 pub fn run_attempts(world: &mut World) {
-    let before = world.resource::<Progress>().clone();
+    let before = world.resource::<ClasticProgress>().clone();
     begin_increment(world);
     // The tables before the first motion, for restoring them.
     let mut start = None;
@@ -75,7 +75,7 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
         }
         Next::Approach => {
             let target = world.resource::<EventSearch>().target;
-            world.resource_mut::<Progress>().fraction = target;
+            world.resource_mut::<ClasticProgress>().fraction = target;
             seek_equilibrium(world);
             open_trial(world);
         }
@@ -112,7 +112,7 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
         }
         Next::OneRound => {
             undo(world, start.take());
-            let mut progress = world.resource_mut::<Progress>();
+            let mut progress = world.resource_mut::<ClasticProgress>();
             progress.tried = progress.left_of_increment();
             progress.fraction = progress.tried;
             world.insert_resource(EventSearch::default());
@@ -190,7 +190,7 @@ fn begin_increment(world: &mut World) {
     world.insert_resource(BestUnconverged::default());
     world.insert_resource(Sliding::default());
     motion::forget_passes(world);
-    let mut progress = world.resource_mut::<Progress>();
+    let mut progress = world.resource_mut::<ClasticProgress>();
     progress.increment += 1;
     // Fractions end where whole increments end. A halved fraction may grow again.
     let left = 1.0 - progress.done.fract();
@@ -213,7 +213,7 @@ fn budget(world: &World) -> Budget {
     // without equilibrium would continue in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
     Budget {
-        follows: world.resource::<Analysis>().kind == AnalysisKind::Static,
+        follows: world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static,
         motion: attempt.motions < settings.max_motions,
         step: failures < settings.max_failures
             && if is_released {
@@ -221,7 +221,7 @@ fn budget(world: &World) -> Budget {
             } else {
                 attempt.motion_steps - released < motion::max_steps(world.resource(), settings)
             },
-        half: 0.5 * world.resource::<Progress>().fraction >= finest,
+        half: 0.5 * world.resource::<ClasticProgress>().fraction >= finest,
         searches: world.resource::<EventSearch>().active,
         shrinks: attempt.motions == 0
             && attempt.turn.is_some_and(|turn| {

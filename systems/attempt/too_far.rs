@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Effort, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Restraints;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::converged::impossible_or;
@@ -24,7 +24,7 @@ pub fn judge(
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {

@@ -4,7 +4,7 @@ use clastic_components::body::BodyDrive;
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::contact::BodyTable;
 use clastic_components::domain::{PLACE, RADIUS, SPIN, VELOCITY};
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_components::particle::Particle;
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::WallShape;
@@ -13,7 +13,7 @@ use super::bad::{Bad, bad, finite, not_negative, outside};
 use super::laws;
 
 /// The thickness of a disk, if it is another one than that of the analysis.
-pub(super) fn thickness(disk: &Particle, analysis: &Analysis) -> Option<Bad> {
+pub(super) fn thickness(disk: &Particle, analysis: &ClasticAnalysis) -> Option<Bad> {
     let h = disk.thickness.filter(|h| *h != analysis.thickness)?;
     let wanted = format!("that of `Analysis`, {:?} m, or set that one", analysis.thickness);
     Some(Bad::new("thickness", h, wanted))

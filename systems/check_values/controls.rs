@@ -20,7 +20,7 @@ pub(super) fn control(
             return Some(Bad::new(
                 "WallControl",
                 wall.control,
-                "`Displacement` or `Rotation` in every increment, or a dynamic `Analysis`: without \
+                "`Displacement` or `Rotation` in every increment, or a dynamic `ClasticAnalysis`: without \
                  one there is no time",
             ));
         }
@@ -36,7 +36,7 @@ pub(super) fn control(
         let wanted = "a control by `Force` or `Stress`, under which alone a wall slides";
         return Some(Bad::new("WallSlide", slide, wanted));
     }
-    let wanted = "`Displacement` in every increment, or a dynamic `Analysis`: without one there is \
+    let wanted = "`Displacement` in every increment, or a dynamic `ClasticAnalysis`: without one there is \
                   no time";
     matches!(slide, WallSlide::Velocity(_) if !has_time)
         .then(|| Bad::new("WallSlide", slide, wanted))

@@ -7,14 +7,14 @@ use clastic_components::domain::{
     BRITTLENESS, DENSITY_OF_RUPTURES, GRAVITY, OVERLOAD, RESIDUAL, THETA, THICKNESS, TIME_STEP,
     TURN,
 };
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, RuptureRules};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, RuptureRules};
 
 use super::bad::{Bad, outside};
 
 /// The settings with numbers that an increment depends on.
 #[derive(SystemParam)]
 pub(crate) struct Settings<'w> {
-    pub(super) analysis: Res<'w, Analysis>,
+    pub(super) analysis: Res<'w, ClasticAnalysis>,
     acceptance: Res<'w, Acceptance>,
     rules: Res<'w, RuptureRules>,
 }
@@ -29,7 +29,7 @@ impl Settings<'_> {
     }
 }
 
-fn analysis(analysis: &Analysis) -> Option<Bad> {
+fn analysis(analysis: &ClasticAnalysis) -> Option<Bad> {
     let kind = || match analysis.kind {
         AnalysisKind::Dynamic { dt, theta } => {
             outside("dt", dt, TIME_STEP).or_else(|| outside("theta", theta, THETA))

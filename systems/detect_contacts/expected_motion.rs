@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, WallRow};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 
@@ -65,8 +65,8 @@ impl ExpectedMotion {
 /// of the last increment. Every pair is kept up to a gap of `minimum` (m).
 pub fn expected_motion(
     bodies: &BodyTable,
-    analysis: &Analysis,
-    progress: &Progress,
+    analysis: &ClasticAnalysis,
+    progress: &ClasticProgress,
     minimum: f64,
 ) -> ExpectedMotion {
     let f = progress.fraction;

@@ -21,7 +21,7 @@ use glam::DVec2;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::findings::AddedPairs;
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 
 use crate::detect_contacts::candidates::CandidatePairs;
 use crate::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
@@ -58,8 +58,8 @@ pub struct Candidates(pub CandidatePairs);
 /// Fills [`ContactTable`], sorted by (a, b): every intact bond, and every pair that may close.
 pub fn detect_contacts(
     bodies: Res<BodyTable>,
-    analysis: Res<Analysis>,
-    progress: Res<Progress>,
+    analysis: Res<ClasticAnalysis>,
+    progress: Res<ClasticProgress>,
     attempt: Res<Attempt>,
     added: Res<AddedPairs>,
     settings: Res<MotionSettings>,

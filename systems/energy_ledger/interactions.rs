@@ -9,7 +9,7 @@ use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Corrections;
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
@@ -25,7 +25,7 @@ pub struct Tables<'a> {
     /// Memory of the contacts at the end.
     pub history: &'a ContactHistory,
     pub materials: &'a Materials,
-    pub analysis: &'a Analysis,
+    pub analysis: &'a ClasticAnalysis,
     /// Fraction of a whole increment.
     pub fraction: f64,
     pub program: &'a ConeProgram,

@@ -55,7 +55,7 @@ use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies, Released};
 use clastic_components::findings::{Corrections, Ruptures};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use glam::DVec2;
@@ -131,8 +131,8 @@ pub struct Solved<'w> {
     bodies: Res<'w, BodyTable>,
     contacts: Res<'w, ContactTable>,
     materials: Res<'w, Materials>,
-    analysis: Res<'w, Analysis>,
-    progress: Res<'w, Progress>,
+    analysis: Res<'w, ClasticAnalysis>,
+    progress: Res<'w, ClasticProgress>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
     corrections: Res<'w, Corrections>,

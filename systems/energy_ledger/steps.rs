@@ -7,7 +7,7 @@ use clastic_components::bond::Rupture;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Energies, MotionEnergies};
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
 use super::cell;
@@ -22,7 +22,8 @@ pub(crate) fn book_step(
     broken: &[Rupture],
 ) {
     let (bodies, program) = (world.resource::<BodyTable>(), world.resource::<ConeProgram>());
-    let (solution, analysis) = (world.resource::<ConeSolution>(), world.resource::<Analysis>());
+    let (solution, analysis) =
+        (world.resource::<ConeSolution>(), world.resource::<ClasticAnalysis>());
     let mut e = Energies::default();
     let mut held = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(&solution.forces, &mut held);
@@ -49,7 +50,7 @@ pub(crate) fn book_step(
         history,
         materials: world.resource(),
         analysis,
-        fraction: world.resource::<Progress>().fraction,
+        fraction: world.resource::<ClasticProgress>().fraction,
         program,
         solution,
         corrections: world.resource(),

@@ -20,7 +20,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::{ExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::measure::{
     CrackSums, ForceComponent, GrainAmount, MembraneValue, NamedMeasures, Quantity, Readings,
     StrainPath,
@@ -115,7 +115,7 @@ pub struct EndTables<'w, 's> {
     contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
-    analysis: Res<'w, Analysis>,
+    analysis: Res<'w, ClasticAnalysis>,
     attempt: Res<'w, Attempt>,
     observation: Res<'w, Observation>,
     strains: StrainTables<'w, 's>,

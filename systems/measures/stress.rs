@@ -7,7 +7,7 @@ use glam::DVec2;
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyId, BodyPosition, ExternalForce, LastMotion};
 use clastic_components::contact::{BodyTable, Contact, ContactTable};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, MeasureLength, StressComponent, StressMeasure};
 use clastic_components::wall::Wall;
@@ -122,7 +122,7 @@ pub struct StressTables<'w, 's> {
     contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
-    analysis: Res<'w, Analysis>,
+    analysis: Res<'w, ClasticAnalysis>,
     attempt: Res<'w, Attempt>,
     geometry: Geometry<'w, 's>,
     forces: Query<
@@ -261,7 +261,7 @@ pub fn stress_error(
     contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
     geometry: Geometry,
     ids: Query<&BodyId>,

@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{Analysis, Progress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::membrane::{Chain, Course, Membrane, MembraneShape, Sides};
 
@@ -62,8 +62,8 @@ impl StateOf for MembraneStates {
 /// to wall. The grains of the last chain then continue to carry the pressure.
 pub fn press(
     bodies: Res<BodyTable>,
-    progress: Res<Progress>,
-    analysis: Res<Analysis>,
+    progress: Res<ClasticProgress>,
+    analysis: Res<ClasticAnalysis>,
     mut membranes: Query<(&Membrane, &mut MembraneShape)>,
     mut loads: ResMut<TrialLoads>,
 ) {

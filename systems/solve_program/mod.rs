@@ -10,7 +10,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::findings::Sliding;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, FrictionLaw};
 use clastic_cone::condensed;
 use clastic_cone::program::{ConeProgram, ConeSolution, Residuals, SolveStatus};
 use clastic_cone::residuals;
@@ -92,7 +92,7 @@ const RESIDUAL_OF_MOTION: f64 = 1e-3;
 /// Residual at which the solver may stop; 0 means its own default. Loading of bonds to their limits
 /// requires the default, because errors could change which bond breaks.
 fn tolerance(
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     acceptance: &Acceptance,
     attempt: &Attempt,
     bodies: &BodyTable,
@@ -125,7 +125,7 @@ pub fn solve_program(
     law: Res<FrictionLaw>,
     finding: Res<Sliding>,
     acceptance: Res<Acceptance>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     mut solver: ResMut<Solver>,

@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Sliding;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, FrictionLaw};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, FrictionLaw};
 use clastic_cone::coulomb::{Coulomb, Goal};
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_cone::residuals;
@@ -38,7 +38,7 @@ pub struct SlidingSolver(Coulomb);
 /// where the associated law does.
 pub fn law_of(
     law: &FrictionLaw,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     attempt: &Attempt,
     finding: &Sliding,
 ) -> Option<clastic_components::increment::Coulomb> {
@@ -51,7 +51,7 @@ pub fn law_of(
 /// associated law. Solutions of a static increment are exact, those of its motions included.
 pub fn first_point_suffices(
     solver: &Solver,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     program: &ConeProgram,
     tolerance: f64,
 ) -> bool {
@@ -65,7 +65,7 @@ pub fn first_point_suffices(
 pub fn solve_sliding(
     law: Res<FrictionLaw>,
     acceptance: Res<Acceptance>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     associated: Res<Solver>,

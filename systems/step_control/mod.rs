@@ -14,7 +14,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::step_control::{StepControl, Whole};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -45,19 +45,19 @@ impl Plugin for StepControlPlugin {
 /// Makes the attempts at an increment whose fraction the error chooses. In dynamic analysis, and
 /// where there are bonds, the stage chooses it. Exclusive, because it runs attempts.
 pub fn attempt_by_error(world: &mut World) {
-    let is_static = world.resource::<Analysis>().kind == AnalysisKind::Static;
+    let is_static = world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static;
     if !is_static || !world.resource::<BodyTable>().bonds.is_empty() {
         return run_attempts(world);
     }
     let mut control = world.resource::<StepControl>().clone();
-    let progress = world.resource::<Progress>();
+    let progress = world.resource::<ClasticProgress>();
     let done = progress.done;
     // A stop at a value may have shortened the increment, or it may have been halved.
     let left = (1.0 - done.fract()).min(2.0 * progress.tried);
     if let Some(whole) = control.whole.take() {
         attempt(world, (whole.end - done).min(left));
         if is_at(world, whole.end) {
-            let fraction = world.resource::<Progress>().fraction;
+            let fraction = world.resource::<ClasticProgress>().fraction;
             see(&mut control, &whole, moment(world), fraction);
         }
     } else {
@@ -86,9 +86,9 @@ pub fn attempt_by_error(world: &mut World) {
 /// may be whole.
 fn attempt(world: &mut World, fraction: f64) {
     // Attempts begin with twice the last fraction.
-    world.resource_mut::<Progress>().tried = 0.5 * fraction;
+    world.resource_mut::<ClasticProgress>().tried = 0.5 * fraction;
     run_attempts(world);
-    let mut progress = world.resource_mut::<Progress>();
+    let mut progress = world.resource_mut::<ClasticProgress>();
     if progress.fraction >= fraction * (1.0 - 1e-9) {
         progress.tried = 1.0;
     }
@@ -96,7 +96,7 @@ fn attempt(world: &mut World, fraction: f64) {
 
 /// Whether an increment is committed that ends here.
 fn is_at(world: &World, end: f64) -> bool {
-    let progress = world.resource::<Progress>();
+    let progress = world.resource::<ClasticProgress>();
     is_committed(world) && (progress.done + progress.fraction - end).abs() < 1e-9
 }
 
@@ -124,21 +124,21 @@ struct Tried {
 
 /// Solves an increment and restores the tables. `None` if it has no solution.
 fn try_whole(world: &mut World, fraction: f64) -> Option<Tried> {
-    let progress = world.resource::<Progress>().clone();
+    let progress = world.resource::<ClasticProgress>().clone();
     let (bodies, draft) =
         (world.resource::<BodyTable>().clone(), world.resource::<DraftHistory>().clone());
     attempt(world, fraction);
     let tried = is_committed(world).then(|| {
         let attempt = world.resource::<Attempt>();
         Tried {
-            fraction: world.resource::<Progress>().fraction,
+            fraction: world.resource::<ClasticProgress>().fraction,
             moment: moment(world),
             solves: attempt.solves,
             iterations: attempt.iterations,
             motion_steps: attempt.motion_steps,
         }
     });
-    *world.resource_mut::<Progress>() = progress;
+    *world.resource_mut::<ClasticProgress>() = progress;
     *world.resource_mut::<BodyTable>() = bodies;
     *world.resource_mut::<DraftHistory>() = draft;
     tried

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use clastic_components::body::{BodyDrive, BodyId, ExternalForce};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::rigid_group::{ContactForce, GroupRow};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
@@ -14,8 +14,8 @@ use glam::DVec2;
 pub fn external_forces(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
-    analysis: Res<Analysis>,
-    progress: Res<Progress>,
+    analysis: Res<ClasticAnalysis>,
+    progress: Res<ClasticProgress>,
     loads: Res<TrialLoads>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
@@ -106,8 +106,8 @@ pub fn external_forces(
 /// force of the interactions that it resists.
 fn force_on_group(
     bodies: &BodyTable,
-    analysis: &Analysis,
-    progress: &Progress,
+    analysis: &ClasticAnalysis,
+    progress: &ClasticProgress,
     group: &GroupRow,
     k: usize,
     [u, resisted]: [f64; 2],

@@ -11,7 +11,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::contact::BodyTable;
 use clastic_components::findings::{EventSearch, Restraints, Ruptures};
 use clastic_components::increment::{
-    Analysis, AnalysisKind, Avalanche, Progress, RuptureOrder, RuptureRules,
+    AnalysisKind, Avalanche, ClasticAnalysis, ClasticProgress, RuptureOrder, RuptureRules,
 };
 use clastic_components::particle::Swinging;
 
@@ -49,11 +49,11 @@ pub fn remember_swinging(bodies: Res<BodyTable>, found: Res<Restraints>, mut com
 
 /// Adds the committed fraction of the increment to the progress.
 pub fn advance_progress(
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     rules: Res<RuptureRules>,
     search: Res<EventSearch>,
     ruptures: Res<Ruptures>,
-    mut progress: ResMut<Progress>,
+    mut progress: ResMut<ClasticProgress>,
 ) {
     // A released motion ends at rest without the bonds that broke in it.
     let is_settled = match (rules.order, rules.avalanche) {

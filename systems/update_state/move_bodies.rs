@@ -11,7 +11,7 @@ use clastic_components::body::{
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Impacts, Pushed};
-use clastic_components::increment::{Acceptance, Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::{GroupRow, RigidGroup};
 use clastic_components::wall::{Wall, WallRotation};
@@ -51,9 +51,9 @@ type WallsOfWorld<'w, 's> = Query<
 /// Moves particles, walls and rigid groups and updates velocities.
 pub fn move_bodies(
     bodies: Res<BodyTable>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
     contacts: Res<ContactTable>,

@@ -4,14 +4,14 @@ use bevy_ecs::prelude::*;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, DraftHistory};
 use clastic_components::findings::Corrections;
-use clastic_components::increment::Analysis;
+use clastic_components::increment::ClasticAnalysis;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
 
 /// Stores the forces of contacts that persist.
 pub fn remember_contacts(
     bodies: Res<BodyTable>,
-    analysis: Res<Analysis>,
+    analysis: Res<ClasticAnalysis>,
     corrections: Res<Corrections>,
     contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
@@ -29,7 +29,7 @@ pub fn remember_contacts(
 #[must_use]
 pub fn remembered(
     bodies: &BodyTable,
-    analysis: &Analysis,
+    analysis: &ClasticAnalysis,
     corrections: &Corrections,
     contacts: &ContactTable,
     program: &ConeProgram,

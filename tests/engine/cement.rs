@@ -1,7 +1,7 @@
 //! Cement is made of the state as it is: the forces of contacts stay, in statics and dynamics.
 
 use crate::common::*;
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::Analysis::{Dynamic, Static};
@@ -12,7 +12,7 @@ fn read(scene: &Scene, measure: &str, stage: &str) -> Vec<f64> {
     let mut simulation = Simulation::new(scene, None);
     let mut values = Vec::new();
     while next(&mut simulation).is_some() {
-        if simulation.world().resource::<Progress>().stage_name == stage {
+        if simulation.world().resource::<ClasticProgress>().stage_name == stage {
             values.push(reading(simulation.world(), measure).unwrap());
         }
     }

@@ -27,7 +27,7 @@ fn stresses(target: f64) -> Vec<f64> {
         let world = simulation.world_mut();
         found.push(world.resource::<Observation>().axial_stress.expect("the lid carries"));
         if found.len() == 4 {
-            let progress = world.resource::<Progress>().clone();
+            let progress = world.resource::<ClasticProgress>().clone();
             let mut walls = world.query::<&mut WallControl>();
             for mut control in walls.iter_mut(world) {
                 *control = control.retarget(&progress, target);

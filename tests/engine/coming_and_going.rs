@@ -162,9 +162,9 @@ fn a_disk_that_cannot_be_written_halts_the_run_and_panics_not() {
     let Step::Finished(Outcome::Halted(halted)) = simulation.step() else { panic!("it went on") };
     assert!(halted.contains("history.csv"), "{halted}");
     // Nothing goes on from there.
-    let increment = simulation.world().resource::<Progress>().increment;
+    let increment = simulation.world().resource::<ClasticProgress>().increment;
     assert_eq!(simulation.run(), Outcome::Halted(halted));
-    assert_eq!(simulation.world().resource::<Progress>().increment, increment);
+    assert_eq!(simulation.world().resource::<ClasticProgress>().increment, increment);
 }
 
 #[test]

@@ -140,7 +140,7 @@ fn a_value_without_meaning_stops_the_app_and_is_named() {
             format!("{message}, then remove `ClasticHalted` and insert `ClasticRunning::Always`")
         );
         assert_eq!(*world.resource::<ClasticRunning>(), ClasticRunning::Stopped(StoppedBy::Halted));
-        assert_eq!(world.resource::<Progress>().increment, 1, "{message}");
+        assert_eq!(world.resource::<ClasticProgress>().increment, 1, "{message}");
         mend(world);
         world.insert_resource(ClasticRunning::Always);
         app.update();

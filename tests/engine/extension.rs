@@ -23,7 +23,10 @@ impl Sine {
 }
 
 /// For `ControlSystems::Custom`: what the walls do in the increment that follows.
-fn follow_sine(progress: Res<Progress>, mut walls: Query<(&Sine, &BodyPosition, &mut WallDrive)>) {
+fn follow_sine(
+    progress: Res<ClasticProgress>,
+    mut walls: Query<(&Sine, &BodyPosition, &mut WallDrive)>,
+) {
     for (sine, position, mut drive) in &mut walls {
         // A drive is for a whole increment. Where one had to be halved, only `left` of it is still
         // to come; measured from where the wall is, nothing adds up.
@@ -127,10 +130,10 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
     let sought = sine.height(1.0);
     let lid = world.spawn((wall(2, DVec2::NEG_X, sine.rest), WallControl::Custom, sine)).id();
     // As if the increment before had been quartered: fractions grow by doubling.
-    world.resource_mut::<Progress>().tried = 0.25;
+    world.resource_mut::<ClasticProgress>().tried = 0.25;
     for done in [0.5, 1.0] {
         world.run_schedule(Increment);
-        assert_eq!(world.resource::<Progress>().done, done);
+        assert_eq!(world.resource::<ClasticProgress>().done, done);
     }
     let height = world.get::<BodyPosition>(lid).unwrap().0.y;
     assert!((height - sought).abs() < 1e-16, "{height} for {sought}");
@@ -140,7 +143,7 @@ fn the_wall_is_in_its_place_after_a_halved_increment() {
 fn extra_rows_hold_a_disk_on_springs() {
     let mut app = app();
     // A load goes to its target over the increments of a stage.
-    app.insert_resource(Progress { total: 24.0, ..Default::default() });
+    app.insert_resource(ClasticProgress { total: 24.0, ..Default::default() });
     let load = LoadControl([(0.0, 0.0), (0.0, -24.0), (0.0, 0.0)]);
     let world = app.world_mut();
     let disk = world.spawn((disk(0.0), Foundation(1.0e6), load)).id();
@@ -180,7 +183,7 @@ fn lubricate(
 fn a_parameter_of_the_contact_law_of_a_plugin_changes_the_friction() {
     let mut app = app();
     app.add_systems(AttemptIncrement, lubricate.in_set(AttemptSystems::AssembleExtra));
-    app.world_mut().resource_mut::<Analysis>().gravity = DVec2::new(0.0, -9.81);
+    app.world_mut().resource_mut::<ClasticAnalysis>().gravity = DVec2::new(0.0, -9.81);
     let law = ContactLaw {
         normal_compliance: 1.0 / STIFFNESS,
         tangential_compliance: 1.0 / STIFFNESS,
@@ -299,7 +302,7 @@ fn the_sample_of_the_architecture_page_is_this_one() {
 fn break_at_10_newtons(
     (contacts, bodies): (Res<ContactTable>, Res<BodyTable>),
     solution: Res<ConeSolution>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     mut bonds: Query<&mut BondState>,
     mut record: ResMut<Observation>,
 ) {

@@ -171,7 +171,7 @@ fn leave_to_loads(mut lids: Query<(&WallControl, &mut WallDrive), With<Lid>>) {
 /// For `AddTrialLoads`: the load grows over the stage.
 fn press(
     lids: Query<(&BodyId, &WallControl, &Lid)>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     mut loads: ResMut<TrialLoads>,
 ) {
     for (id, _, lid) in lids.iter().filter(|(_, control, _)| **control == WallControl::Custom) {

@@ -15,10 +15,10 @@ use glam::DVec2;
 fn falling() -> App {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());
-    app.insert_resource(Analysis {
+    app.insert_resource(ClasticAnalysis {
         kind: AnalysisKind::Dynamic { dt: 1.0e-3, theta: 1.0 },
         gravity: DVec2::new(0.0, -9.81),
-        ..Analysis::default()
+        ..ClasticAnalysis::default()
     });
     app
 }
@@ -28,7 +28,7 @@ fn disk(x: f64) -> (Particle, BodyPosition) {
 }
 
 fn increments(app: &App) -> u64 {
-    app.world().resource::<Progress>().increment
+    app.world().resource::<ClasticProgress>().increment
 }
 
 #[derive(Component)]
@@ -72,7 +72,7 @@ fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_fram
     app.add_plugins((TimePlugin, ClasticPlugins::new(FixedUpdate))).init_resource::<Heard>();
     app.insert_resource(TimeUpdateStrategy::ManualDuration(Duration::from_millis(8)));
     let kind = AnalysisKind::Dynamic { dt, theta: 1.0 };
-    app.insert_resource(Analysis { kind, ..Analysis::default() });
+    app.insert_resource(ClasticAnalysis { kind, ..ClasticAnalysis::default() });
     let read_fixed = |mut ruptures: MessageReader<Rupture>, mut heard: ResMut<Heard>| {
         heard.in_fixed += ruptures.read().count();
     };
@@ -179,7 +179,7 @@ fn an_analysis_without_a_meaning_is_refused_by_name() {
     let gravity = DVec2::new(0.0, -9.81);
     let dynamic = |dt, theta| {
         let kind = AnalysisKind::Dynamic { dt, theta };
-        Analysis { kind, gravity, ..Analysis::default() }
+        ClasticAnalysis { kind, gravity, ..ClasticAnalysis::default() }
     };
     let time_step = "give a time step in s greater than 0";
     let theta = "give a theta from 0.5 to 1: below, energy grows";
@@ -191,15 +191,15 @@ fn an_analysis_without_a_meaning_is_refused_by_name() {
         (dynamic(1.0e-3, 0.0), format!("theta = 0.0: {theta}")),
         (dynamic(1.0e-3, 3.0), format!("theta = 3.0: {theta}")),
         (
-            Analysis { path_theta: Some(2.0), ..dynamic(1.0e-3, 1.0) },
+            ClasticAnalysis { path_theta: Some(2.0), ..dynamic(1.0e-3, 1.0) },
             format!("path_theta = 2.0: {theta}"),
         ),
         (
-            Analysis { gravity: DVec2::new(0.0, f64::NAN), ..dynamic(1.0e-3, 1.0) },
+            ClasticAnalysis { gravity: DVec2::new(0.0, f64::NAN), ..dynamic(1.0e-3, 1.0) },
             "gravity y = NaN: give an acceleration in m/s^2".to_owned(),
         ),
         (
-            Analysis { thickness: -1.0, ..Analysis::default() },
+            ClasticAnalysis { thickness: -1.0, ..ClasticAnalysis::default() },
             "thickness = -1.0: give a thickness in m greater than 0".to_owned(),
         ),
     ];
@@ -210,7 +210,7 @@ fn an_analysis_without_a_meaning_is_refused_by_name() {
         let reason = refusal(&mut app);
         assert!(reason.starts_with(&format!("`Analysis` has {expected}")), "{reason}");
         let world = app.world_mut();
-        assert_eq!(world.resource::<Progress>(), &Progress::default());
+        assert_eq!(world.resource::<ClasticProgress>(), &ClasticProgress::default());
         world.insert_resource(dynamic(1.0e-3, 1.0));
         world.remove_resource::<ClasticHalted>();
         world.insert_resource(ClasticRunning::Always);
@@ -365,7 +365,11 @@ fn an_input_without_an_effect_is_refused_by_name() {
         let expected = expected.replace("ENTITY", &format!("entity {}", bodies[1]));
         let reason = refusal(&mut app);
         assert!(reason.starts_with(&expected), "{reason}\ninstead of\n{expected}");
-        assert_eq!(app.world().resource::<Progress>(), &Progress::default(), "{expected}");
+        assert_eq!(
+            app.world().resource::<ClasticProgress>(),
+            &ClasticProgress::default(),
+            "{expected}"
+        );
     }
 }
 

@@ -246,13 +246,13 @@ fn an_app_that_is_halted_within_the_search_goes_on_with_the_length_of_before() {
     fn halt(app: &mut App) {
         let disk =
             app.world_mut().query_filtered::<Entity, With<Particle>>().single(app.world()).unwrap();
-        let before = app.world().resource::<Progress>().increment;
+        let before = app.world().resource::<ClasticProgress>().increment;
         let place = *app.world().get::<BodyPosition>(disk).unwrap();
         app.world_mut().get_mut::<BodyPosition>(disk).unwrap().0.y = f64::NAN;
         app.update();
         let running = *app.world().resource::<ClasticRunning>();
         assert_eq!(running, ClasticRunning::Stopped(StoppedBy::Halted));
-        let now = app.world().resource::<Progress>();
+        let now = app.world().resource::<ClasticProgress>();
         // The increments before were whole, and a stage begins with a whole one.
         assert_eq!((now.increment, now.tried), (before, 1.0));
         *app.world_mut().get_mut::<BodyPosition>(disk).unwrap() = place;

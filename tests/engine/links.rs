@@ -13,7 +13,11 @@ const RADIUS: f64 = 0.1;
 fn app(kind: AnalysisKind) -> App {
     let mut app = App::new();
     app.add_plugins(ClasticPlugins::default());
-    app.insert_resource(Analysis { kind, gravity: DVec2::new(0.0, -G), ..Analysis::default() });
+    app.insert_resource(ClasticAnalysis {
+        kind,
+        gravity: DVec2::new(0.0, -G),
+        ..ClasticAnalysis::default()
+    });
     app
 }
 
@@ -89,7 +93,7 @@ fn a_motor_drives_a_slider_through_a_rod() {
 fn a_spring_between_two_disks_has_its_period_and_conserves_momentum() {
     let (k, dt) = (100.0, 1.0e-3);
     let mut app = app(dynamic(dt, 0.5));
-    app.world_mut().resource_mut::<Analysis>().gravity = DVec2::ZERO;
+    app.world_mut().resource_mut::<ClasticAnalysis>().gravity = DVec2::ZERO;
     let world = app.world_mut();
     let [a, b] = [0.0, 1.0].map(|x| world.spawn(disk(x, 0.0)).id());
     world.entity_mut(b).insert(BodyVelocity(DVec2::new(0.1, 0.0)));

@@ -38,8 +38,8 @@ fn app(total: f64, friction: f64) -> App {
         bond: None,
     };
     app.insert_resource(material::Materials(vec![sand]));
-    app.insert_resource(Analysis { thickness: THICKNESS, ..Default::default() });
-    app.insert_resource(Progress { total, ..Default::default() });
+    app.insert_resource(ClasticAnalysis { thickness: THICKNESS, ..Default::default() });
+    app.insert_resource(ClasticProgress { total, ..Default::default() });
     app
 }
 
@@ -55,7 +55,7 @@ fn membrane(course: Course) -> Membrane {
 fn increment(world: &mut World) -> f64 {
     world.run_schedule(Increment);
     assert_eq!(world.resource::<Observation>().status.name(), "solved");
-    let progress = world.resource::<Progress>();
+    let progress = world.resource::<ClasticProgress>();
     PRESSURE * progress.done / progress.total
 }
 
@@ -152,11 +152,11 @@ fn a_side_carries_pressure_times_height_even_in_halved_increments() {
         let (first, second) = (id(world, bottom), id(world, top));
         world.spawn(membrane(Course::Between { first, second, sides }));
         // As if the increment before had been quartered: fractions grow by doubling.
-        world.resource_mut::<Progress>().tried = 0.25;
+        world.resource_mut::<ClasticProgress>().tried = 0.25;
         let mut before = None;
         for done in [0.5, 1.0, 2.0, 3.0] {
             let pressure = increment(world);
-            assert_eq!(world.resource::<Progress>().done, done);
+            assert_eq!(world.resource::<ClasticProgress>().done, done);
             assert_relative(pressure, PRESSURE * done / 3.0, 1e-14);
             let expected = match sides {
                 Sides::Right => -pressure * height * THICKNESS,
@@ -221,7 +221,7 @@ struct Seen {
 
 fn are_fresh(
     bodies: Res<BodyTable>,
-    (progress, analysis, attempt): (Res<Progress>, Res<Analysis>, Res<Attempt>),
+    (progress, analysis, attempt): (Res<ClasticProgress>, Res<ClasticAnalysis>, Res<Attempt>),
     membranes: Query<&Membrane>,
     loads: Res<TrialLoads>,
     mut seen: ResMut<Seen>,

@@ -6,7 +6,7 @@ use crate::common::*;
 use bevy_ecs::prelude::With;
 use clastic::components::body::{BodyId, BodyPosition, BodyVelocity, Group};
 use clastic::components::energy::EnergyLedger;
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::components::measure::Readings;
 use clastic::components::particle::{MaterialIndex, Particle};
 use clastic::components::poured::Poured;
@@ -89,7 +89,7 @@ fn what_comes_is_rate_times_time_and_the_floor_carries_it() {
             let readings = simulation.world().resource::<Readings>();
             assert_relative(readings.0[0].unwrap(), mass(&there), 1e-12);
             assert_eq!(readings.0[1], Some(there.len() as f64));
-            assert_eq!(record.time, simulation.world().resource::<Progress>().time);
+            assert_eq!(record.time, simulation.world().resource::<ClasticProgress>().time);
         }
         let last = std::iter::from_fn(|| next(&mut simulation)).last().unwrap();
         let there = disks(&mut simulation);

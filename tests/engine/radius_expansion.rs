@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::cell::PeriodicCell;
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::components::particle::Particle;
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{Compact, CompactTarget, Scene, Specimen, Stage};
@@ -28,8 +28,8 @@ fn expansion(scene: &mut Scene) -> &mut Compact {
 
 /// Runs to the end of the first stage.
 fn expand(simulation: &mut Simulation) {
-    while simulation.world().resource::<Progress>().stage == 0 {
-        let progress = simulation.world().resource::<Progress>();
+    while simulation.world().resource::<ClasticProgress>().stage == 0 {
+        let progress = simulation.world().resource::<ClasticProgress>();
         if progress.total > 0.0 && progress.is_over() {
             break;
         }

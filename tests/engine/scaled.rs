@@ -1,6 +1,6 @@
 //! Factors on gravity and strength over a stage, and grains that are counted where they are.
 
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::components::observation::Observation;
 use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation, Step};
@@ -67,7 +67,7 @@ fn a_bond_breaks_where_its_reduced_strength_is_the_weight() {
             break;
         }
     }
-    let factor = 1.0 - 0.01 * simulation.world().resource::<Progress>().done;
+    let factor = 1.0 - 0.01 * simulation.world().resource::<ClasticProgress>().done;
     assert!((factor / (weight / 200.0) - 1.0).abs() < 5e-4, "{factor}");
     assert!(matches!(simulation.run(), Outcome::Collapsed(_)));
 }

@@ -56,7 +56,7 @@ fn tension(app: &App, disk: Entity) -> f64 {
 }
 
 fn increment(app: &App) -> u64 {
-    app.world().resource::<Progress>().increment
+    app.world().resource::<ClasticProgress>().increment
 }
 
 #[test]
@@ -164,7 +164,7 @@ fn a_collapse_ends_a_stage_of_a_scene_and_the_last_stage_stops_its_app() {
     let script = app.world().resource::<Script>();
     assert!(matches!(script.outcome, Some(Outcome::Collapsed(_))), "{:?}", script.outcome);
     assert_eq!(increment(&app), 4);
-    assert!((app.world().resource::<Progress>().time - 3.0e-3).abs() < 1e-15);
+    assert!((app.world().resource::<ClasticProgress>().time - 3.0e-3).abs() < 1e-15);
 }
 
 #[test]
@@ -186,7 +186,7 @@ fn a_load_of_a_stage_grows_linearly_stays_and_grows_again_from_there() {
     app.world_mut().get_mut::<LoadControl>(free).unwrap().0[0].1 = 20.0;
     follow(&mut app, &[14.0]);
     // Another target within a stage.
-    let progress = app.world().resource::<Progress>().clone();
+    let progress = app.world().resource::<ClasticProgress>().clone();
     let mut control = app.world_mut().get_mut::<LoadControl>(free).unwrap();
     *control = control.retarget(&progress, [10.0, 0.0, 0.0]);
     follow(&mut app, &[10.0, 10.0]);

@@ -24,7 +24,7 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     let force = force_scale(program, &solution.forces).max(maximum);
     // A static residual of moments does its work on rotations; in dynamics balance holds to
     // round-off.
-    let is_static = world.resource::<increment::Analysis>().kind == AnalysisKind::Static;
+    let is_static = world.resource::<increment::ClasticAnalysis>().kind == AnalysisKind::Static;
     let turns = solution.displacements.iter().filter(|_| is_static).map(|u| u[2].abs());
     let turn = turns.fold(0.0, f64::max) * program.scales.length;
     let motion = displacement_scale(program, &solution.displacements).max(turn);

@@ -13,7 +13,7 @@ use clastic::components::body::{
 use clastic::components::bond::{Bond, BondState};
 use clastic::components::contact::{BodyTable, ContactTable};
 use clastic::components::findings::{Corrections, Pushed, Sliding};
-use clastic::components::increment::{Analysis, AnalysisKind};
+use clastic::components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic::components::observation::Observation;
 use clastic::components::particle::{MaterialIndex, Particle};
 use clastic::components::wall::{Wall, WallControl};
@@ -100,7 +100,7 @@ fn wall_positions(simulation: &mut Simulation) -> BTreeMap<u32, DVec2> {
 
 impl Oracle {
     pub fn before(simulation: &mut Simulation, scene: &Scene) -> Self {
-        let kind = simulation.world().resource::<Analysis>().kind;
+        let kind = simulation.world().resource::<ClasticAnalysis>().kind;
         // A compaction takes all velocities away, even one that is at its target and has no
         // increment.
         let begins = simulation.world().resource::<Observation>().increment == 0
@@ -172,7 +172,7 @@ impl Oracle {
         let n = record.increment;
         let residual = RESIDUAL.max(record.residuals.worst());
         let world = simulation.world_mut();
-        let analysis = *world.resource::<Analysis>();
+        let analysis = *world.resource::<ClasticAnalysis>();
         let motion_steps = world.resource::<Attempt>().motion_steps;
         let is_pushed = world.resource::<Pushed>().0.is_some();
         let mut program = world.resource::<ConeProgram>().clone();

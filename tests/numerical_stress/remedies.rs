@@ -130,7 +130,7 @@ fn undecided(scene: &Scene) -> Option<(String, usize)> {
     let scene = parse(&text(scene));
     let mut simulation = Simulation::new(&scene, None);
     let outcome = simulation.run();
-    let progress = simulation.world().resource::<clastic::components::increment::Progress>();
+    let progress = simulation.world().resource::<clastic::components::increment::ClasticProgress>();
     match outcome {
         Outcome::Undecided { message, .. } => Some((message, progress.stage)),
         _ => None,

@@ -2,7 +2,7 @@
 
 use bevy::app::{App, Plugin, PostUpdate};
 use bevy::prelude::*;
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::prelude::{Particle, Wall};
 use clastic::systems::gather_bodies::gather_bodies;
 
@@ -30,7 +30,7 @@ fn watch(
     walls: &mut QueryState<(), With<Wall>>,
     mut taken: Local<Taken>,
 ) {
-    let increment = world.resource::<Progress>().increment;
+    let increment = world.resource::<ClasticProgress>().increment;
     let now = Taken(increment, disks.iter(world).count(), walls.iter(world).count());
     if now == *taken {
         return;

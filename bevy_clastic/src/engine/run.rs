@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use bevy::app::{App, Update};
 use bevy::ecs::prelude::*;
-use clastic::components::increment::Progress;
+use clastic::components::increment::ClasticProgress;
 use clastic::run::state::{capture, rewind};
 use clastic::systems::gather_bodies::gather_bodies;
 use clastic::systems::state::{StateError, WorldState};
@@ -119,7 +119,7 @@ impl Session {
             Order::Load(load) => set_load(world, &load),
             Order::Keep => match capture(world) {
                 Ok(state) => {
-                    let increment = world.resource::<Progress>().increment;
+                    let increment = world.resource::<ClasticProgress>().increment;
                     self.answer = format!("kept the state of increment {increment}");
                     self.kept = Some((increment, state));
                 }
@@ -131,7 +131,7 @@ impl Session {
                 let back = state.map_err(Clone::clone).and_then(|state| rewind(world, state));
                 forget_loads(world);
                 world.insert_resource(ClasticRunning::Paused);
-                let increment = world.resource::<Progress>().increment;
+                let increment = world.resource::<ClasticProgress>().increment;
                 self.answer = match back {
                     Ok(()) => format!("back at increment {increment}"),
                     Err(error) => error.to_string(),

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy::ecs::prelude::*;
 use clastic::components::cell::{CellControl, PeriodicCell};
-use clastic::components::increment::{Analysis, Progress};
+use clastic::components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic::components::membrane::Membrane;
 use clastic::components::wall::{Wall, WallControl, WallName};
 use glam::DVec2;
@@ -61,7 +61,7 @@ enum Part<'a> {
 
 /// Calls `with` for the load of every body: gravity, walls by name, membranes, cell.
 fn each(world: &mut World, mut with: impl FnMut(Key, &'static str, Part)) {
-    let gravity = &mut world.resource_mut::<Analysis>().gravity;
+    let gravity = &mut world.resource_mut::<ClasticAnalysis>().gravity;
     with((String::new(), "gravity".to_owned()), "m/s^2", Part::Gravity(gravity));
     let mut walls = world.query_filtered::<(&WallName, &mut WallControl), With<Wall>>();
     let mut walls: Vec<_> = walls.iter_mut(world).collect();
@@ -138,7 +138,7 @@ fn along(way: &OnTheWay, key: &Key, vector: DVec2) -> DVec2 {
 /// Gives a load its value. Motions and gravity have it from the next increment on. A force, a
 /// stress or a pressure goes there over ten increments, or over those that are left of the stage.
 pub fn set_load(world: &mut World, load: &Load) {
-    let progress = world.resource::<Progress>().clone();
+    let progress = world.resource::<ClasticProgress>().clone();
     let mut way = world.remove_resource::<OnTheWay>().unwrap_or_default();
     let value = load.value;
     each(world, |key, _, part| {
@@ -181,7 +181,7 @@ pub fn forget_loads(world: &mut World) {
 /// Keeps loads that have arrived where they are. It belongs between two increments.
 pub fn settle_loads(world: &mut World) {
     let Some(mut way) = world.remove_resource::<OnTheWay>() else { return };
-    let progress = world.resource::<Progress>().clone();
+    let progress = world.resource::<ClasticProgress>().clone();
     // Another stage, or an earlier moment of this one, has controls of its own.
     way.targets.retain(|_, (stage, arrival, _)| {
         *stage == progress.stage && progress.done >= *arrival - INCREMENTS
@@ -263,7 +263,7 @@ mod tests {
         let weight = |app: &mut App, value| {
             let gravity = loads(app.world_mut()).remove(0);
             set_load(app.world_mut(), &Load { value, ..gravity });
-            app.world().resource::<Analysis>().gravity
+            app.world().resource::<ClasticAnalysis>().gravity
         };
         assert_eq!(weight(&mut app, 9.81), DVec2::new(0.0, -9.81));
         assert_eq!(weight(&mut app, 0.0), DVec2::ZERO);

@@ -7,7 +7,7 @@ pub use loads::{Load, forget_loads, set_load, settle_loads};
 pub use series::{Column, Series, columns, row};
 
 use bevy::ecs::prelude::*;
-use clastic::components::increment::{Analysis, AnalysisKind, Progress};
+use clastic::components::increment::{ClasticAnalysis, AnalysisKind, ClasticProgress};
 use clastic::components::observation::Observation;
 use clastic::frames::Frame;
 use clastic::run::script::Script;
@@ -65,7 +65,7 @@ impl Picture {
     /// If the world lacks `ClasticPlugins`.
     pub fn take(world: &mut World) -> Self {
         let frame = Frame::take(world);
-        let progress = world.resource::<Progress>().clone();
+        let progress = world.resource::<ClasticProgress>().clone();
         let script = world.get_resource::<Script>();
         let stages = script.map_or(0, |script| script.scene.stages.len());
         let observation = world.resource::<Observation>();
@@ -75,7 +75,7 @@ impl Picture {
             done: [progress.done, progress.total],
             is_test: script
                 .is_some_and(|script| script.begun && progress.stage >= script.reference_stage()),
-            time_step: match world.resource::<Analysis>().kind {
+            time_step: match world.resource::<ClasticAnalysis>().kind {
                 AnalysisKind::Dynamic { dt, .. } => Some(dt),
                 AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
             },

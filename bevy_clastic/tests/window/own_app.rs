@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use bevy::prelude::*;
 use bevy_clastic::draw::{DrawPlugin, Look, WatchPlugin, colour};
-use clastic::prelude::{BodyPosition, BodyRotation, Particle, Progress};
+use clastic::prelude::{BodyPosition, BodyRotation, Particle, ClasticProgress};
 use glam::DVec2;
 
 use super::drive::{Steps, drive, on_screen, picture, pixel};
@@ -22,7 +22,7 @@ pub fn run() -> ExitCode {
     app.add_plugins((DrawPlugin { scale: SCALE }, WatchPlugin))
         .insert_resource(Look { disks: false, ..default() });
     let mut steps = Steps::default();
-    steps.wait("100 time steps", |world| world.resource::<Progress>().increment >= 100);
+    steps.wait("100 time steps", |world| world.resource::<ClasticProgress>().increment >= 100);
     steps.act("meshes follow", |world| {
         let mut bodies =
             world.query_filtered::<(&BodyPosition, &BodyRotation, &Transform), With<Particle>>();

@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::bond::BondState;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::observation::{Observation, RuptureCount};
 use clastic_systems::identities::IdentityTable;
 use clastic_systems::measures::kept::kept_stresses;
@@ -24,9 +24,9 @@ pub fn is_undecided(observation: Res<Observation>) -> bool {
 
 /// Records the increment in the key results.
 pub fn observe_increment(
-    (script, progress): (Res<Script>, Res<Progress>),
+    (script, progress): (Res<Script>, Res<ClasticProgress>),
     observation: Res<Observation>,
-    (bodies, analysis): (Res<BodyTable>, Res<Analysis>),
+    (bodies, analysis): (Res<BodyTable>, Res<ClasticAnalysis>),
     identities: Res<IdentityTable>,
     mut results: ResMut<KeyResults>,
 ) {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::bond::Bond;
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{Analysis, AnalysisKind, Progress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_systems::measures::strain::shear_of;
@@ -62,7 +62,7 @@ impl Sanity {
     }
 
     /// Adds an increment of the reference stage.
-    fn see_strain(&mut self, o: &Observation, analysis: &Analysis, bodies: &BodyTable) {
+    fn see_strain(&mut self, o: &Observation, analysis: &ClasticAnalysis, bodies: &BodyTable) {
         let Some(strain) = o.axial_strain else { return };
         let change = strain - self.strain.replace(strain).unwrap_or(0.0);
         let lateral = o.lateral_strain.unwrap_or(0.0);
@@ -95,7 +95,7 @@ fn confining(o: &Observation) -> Option<f64> {
 
 /// Adds the increment.
 pub fn follow(
-    (script, progress, analysis): (Res<Script>, Res<Progress>, Res<Analysis>),
+    (script, progress, analysis): (Res<Script>, Res<ClasticProgress>, Res<ClasticAnalysis>),
     (bodies, contacts): (Res<BodyTable>, Res<ContactTable>),
     (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
     (o, bonds): (Res<Observation>, Query<&Bond>),

@@ -9,7 +9,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::ExternalForce;
-use clastic_components::increment::{Acceptance, Progress};
+use clastic_components::increment::{Acceptance, ClasticProgress};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::WallName;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -70,7 +70,7 @@ impl Carried<'_, '_> {
 /// Takes an increment into account.
 pub fn follow_driven(
     script: Res<Script>,
-    progress: Res<Progress>,
+    progress: Res<ClasticProgress>,
     carried: Carried,
     untouched: Option<ResMut<Untouched>>,
     mut commands: Commands,

@@ -30,7 +30,7 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_components::findings::{Corrections, Guesses};
-use clastic_components::increment::{Analysis, AnalysisKind};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::wall_shape::WallShape;
 use clastic_cone::condensed::response::LinearResponse;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
@@ -73,7 +73,7 @@ pub struct Stiffness(LinearResponse);
 /// Tables of the increment.
 #[derive(SystemParam)]
 pub struct Tables<'w> {
-    analysis: Res<'w, Analysis>,
+    analysis: Res<'w, ClasticAnalysis>,
     bodies: Res<'w, BodyTable>,
     contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
