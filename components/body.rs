@@ -153,7 +153,7 @@ impl LoadControl {
 /// Gravity is excluded.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct ExternalForce(pub [f64; 3]);
+pub struct BodyExternalForce(pub [f64; 3]);
 
 /// Name under which the history records the body (`NAME.x_m`, ...).
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

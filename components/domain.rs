@@ -25,6 +25,14 @@ impl Domain {
 pub const THICKNESS: Domain = Domain::new("a thickness in m greater than 0", |h| h > 0.0);
 /// Components of [`ClasticAnalysis::gravity`](crate::increment::ClasticAnalysis::gravity).
 pub const GRAVITY: Domain = Domain::new("an acceleration in m/s^2", |_| true);
+/// [`ClasticAnalysis::strength`](crate::increment::ClasticAnalysis::strength).
+pub const FACTOR: Domain = Domain::new("a factor greater than 0", |factor| factor > 0.0);
+/// `agitation` of a compaction.
+pub const AGITATION: Domain = Domain::new("a length in m of 0 or more", |a| a >= 0.0);
+/// [`Acceptance::motion_step`](crate::increment::Acceptance::motion_step).
+pub const MOTION_STEP: Domain = Domain::new("a number of radii greater than 0", |step| step > 0.0);
+/// Fields that are a small part of something: overlap, slack, multiplier, regularisation.
+pub const PART: Domain = Domain::new("a part from 0 to 1", |part| (0.0..=1.0).contains(&part));
 /// `dt` of a dynamic analysis.
 pub const TIME_STEP: Domain = Domain::new("a time step in s greater than 0", |dt| dt > 0.0);
 /// `theta` of a dynamic analysis.

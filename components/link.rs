@@ -59,7 +59,7 @@ impl Link {
         LinkBetween { bodies: [a, b], points: [point; 2], is_hinge: true, compliance: 0.0 }
     }
 
-    /// A rod between a point of each body, m: their distance stays. Inserted like a
+    /// A rod between a point of each body, m, which are apart: their distance stays. Inserted like a
     /// [`hinge`](Self::hinge).
     #[must_use]
     pub fn rod(bodies: [Entity; 2], points: [DVec2; 2]) -> LinkBetween {

@@ -61,8 +61,8 @@ impl TrialLoads {
         self.added.is_empty()
     }
 
-    /// Sums by row of `bodies` and degree of freedom. Loads on bodies that are not in the table are
-    /// ignored. Contributions are sorted before they are summed, because a sum of floating-point
+    /// Sums by row of `bodies` and degree of freedom. A load on a body that is not in the table
+    /// has no row here; it halts the world. Contributions are sorted before they are summed, because a sum of floating-point
     /// numbers depends on its order.
     #[must_use]
     pub fn sums(&self, bodies: &BodyTable) -> Vec<[AddedLoad; 3]> {

@@ -6,8 +6,8 @@ use bevy_ecs::reflect::ReflectComponent;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{
-    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyPosition, BodyRotation, BodyVelocity,
-    ExternalForce, LastMotion, LoadControl,
+    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyExternalForce, BodyPosition, BodyRotation,
+    BodyVelocity, LastMotion, LoadControl,
 };
 
 /// A rigid disk. It cannot be changed in place: insert another `Particle`.
@@ -23,7 +23,7 @@ use crate::body::{
     BodyDrives,
     LoadControl,
     AppliedLoad,
-    ExternalForce,
+    BodyExternalForce,
     MaterialIndex
 )]
 pub struct Particle {

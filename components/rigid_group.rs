@@ -7,7 +7,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{
-    AppliedLoad, BodyDrive, BodyDrives, BodyId, BodyPosition, BodyRotation, ExternalForce,
+    AppliedLoad, BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyPosition, BodyRotation,
     LastMotion, LoadControl, Ramp,
 };
 
@@ -28,7 +28,7 @@ use crate::body::{
     BodyDrives,
     LoadControl,
     AppliedLoad,
-    ExternalForce,
+    BodyExternalForce,
     ContactForce
 )]
 pub struct RigidGroup {

@@ -6,7 +6,7 @@ use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use crate::body::{BodyPosition, ExternalForce, LastMotion, Ramp};
+use crate::body::{BodyExternalForce, BodyPosition, LastMotion, Ramp};
 use crate::increment::ClasticProgress;
 use crate::material::ContactLaw;
 
@@ -18,7 +18,7 @@ use crate::material::ContactLaw;
 /// tangent turned by +90 degrees.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-#[require(BodyPosition, LastMotion, ExternalForce, ContactLaw, WallDrive, WallControl)]
+#[require(BodyPosition, LastMotion, BodyExternalForce, ContactLaw, WallDrive, WallControl)]
 pub struct Wall {
     /// Unit vector from the start to the end of the segment, or along the chord of an arc.
     pub tangent: DVec2,

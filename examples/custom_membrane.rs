@@ -102,7 +102,7 @@ pub fn main() {
         assert_eq!(world.resource::<Observation>().status.name(), "solved");
         let buoyancy = world.get::<Bath>(bath).map_or(0.0, |b| b.weight * b.area * THICKNESS);
         let force =
-            held.and_then(|held| world.get::<ExternalForce>(held)).map_or([0.0; 3], |f| f.0);
+            held.and_then(|held| world.get::<BodyExternalForce>(held)).map_or([0.0; 3], |f| f.0);
         println!("held with {:.6} N against a buoyancy of {buoyancy:.6} N", force[1]);
         assert!((force[1] + buoyancy).abs() < 1e-6 * buoyancy, "{force:?} {buoyancy}");
         assert!(force[0].abs() < 1e-6 * buoyancy && buoyancy > 10.0);

@@ -44,9 +44,6 @@ pub fn main() {
     let lid = (Wall { tangent: DVec2::NEG_X, half_length: 1.0 }, WallControl::Custom);
     let world = app.world_mut();
     let lid = world.spawn((lid, sine, BodyPosition(DVec2::Y))).id();
-    // An increment needs a particle; this one is held far below.
-    let disk = Particle::disk(0.1, 2650.0, 1.0);
-    world.spawn((disk, BodyPosition::default(), BodyDrives::imposed([0.0; 3])));
 
     for n in 1..=8 {
         app.update();

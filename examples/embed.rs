@@ -24,7 +24,7 @@ pub fn main() {
 
     for expected in [8.0, 16.0] {
         app.update();
-        let force = app.world().get::<ExternalForce>(pulled).map_or(0.0, |force| force.0[0]);
+        let force = app.world().get::<BodyExternalForce>(pulled).map_or(0.0, |force| force.0[0]);
         println!("{force:.3} N");
         assert!((force - expected).abs() < 1e-6);
     }

@@ -36,7 +36,7 @@ pub fn main() {
     let world = app.world();
     assert_eq!(*world.resource::<ClasticRunning>(), ClasticRunning::Stopped(StoppedBy::Collapsed));
     // The last state that was committed carries the strength of the bond.
-    let force = world.get::<ExternalForce>(loaded).map_or(0.0, |force| force.0[0]);
+    let force = world.get::<BodyExternalForce>(loaded).map_or(0.0, |force| force.0[0]);
     println!("the bond carried {force:.3} N");
     assert!((force - 24.0).abs() < 1e-3);
 }

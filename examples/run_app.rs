@@ -36,7 +36,7 @@ fn spawn(mut commands: Commands) {
 /// says whether the bond has carried 24 N.
 fn end(
     mut stops: MessageReader<ClasticStopped>,
-    loads: Query<&ExternalForce, With<Loaded>>,
+    loads: Query<&BodyExternalForce, With<Loaded>>,
     mut exit: MessageWriter<AppExit>,
 ) {
     for stopped in stops.read() {

@@ -51,7 +51,7 @@ pub fn main() {
         // Bevy calls this before each update of the specimen. It has both worlds; what the main
         // world reads is therefore of the update before.
         sub_app.set_extract(move |main, specimen| {
-            let mut pulled = specimen.query_filtered::<&ExternalForce, With<Pulled>>();
+            let mut pulled = specimen.query_filtered::<&BodyExternalForce, With<Pulled>>();
             for force in pulled.iter(specimen) {
                 main.resource_mut::<Forces>().0[k] = force.0[0];
             }

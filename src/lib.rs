@@ -31,7 +31,7 @@
 //! let (held, pulled) = (disk(0.0, [0.0; 3]), disk(12.0e-3, [1.0e-6, 0.0, 0.0]));
 //! world.spawn(Bond::between(held, pulled, law));
 //! app.update();
-//! let force = app.world().get::<ExternalForce>(pulled).unwrap().0[0];
+//! let force = app.world().get::<BodyExternalForce>(pulled).unwrap().0[0];
 //! assert!((force - 8.0).abs() < 1e-6);
 //! ```
 
@@ -147,8 +147,8 @@ pub mod prelude {
     pub use crate::ClasticPlugins;
     pub use crate::components::attempt::{Attempt, IncrementStatus};
     pub use crate::components::body::{
-        BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
-        BodyVelocity, ExternalForce, LastMotion, LoadControl,
+        BodyAngularVelocity, BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
+        BodyPosition, BodyRotation, BodyVelocity, LastMotion, LoadControl,
     };
     pub use crate::components::bond::{Bond, BondBroken, BondId, BondState, Rupture, RuptureMode};
     pub use crate::components::collision::{BodyHit, Collision};

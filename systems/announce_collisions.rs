@@ -9,6 +9,9 @@ use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::ClasticProgress;
 
+use serde::{Deserialize, Serialize};
+
+use crate::state::{RegisterState, StateOf};
 use crate::stepping::{AdvanceIncrement, AdvanceSystems};
 
 /// Adds [`announce_collisions`]. It costs nothing in an app that has not added the message.
@@ -16,12 +19,31 @@ pub struct AnnounceCollisionsPlugin;
 
 impl Plugin for AnnounceCollisionsPlugin {
     fn build(&self, app: &mut App) {
+        app.init_resource::<TouchingPairs>().register_state::<TouchingPairs>("touching");
         app.add_systems(
             AdvanceIncrement,
             announce_collisions
                 .run_if(resource_exists::<Messages<Collision>>)
                 .in_set(AdvanceSystems::Announce),
         );
+    }
+}
+
+/// The pairs that carried a force after the last increment, in ascending order.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TouchingPairs(Vec<(BodyId, BodyId)>);
+
+impl StateOf for TouchingPairs {
+    fn take(world: &mut World) -> Option<Self> {
+        world.get_resource::<Self>().filter(|pairs| !pairs.0.is_empty()).cloned()
+    }
+
+    fn put(self, world: &mut World) {
+        world.insert_resource(self);
+    }
+
+    fn forget(world: &mut World) {
+        world.insert_resource(Self::default());
     }
 }
 
@@ -34,7 +56,7 @@ pub fn announce_collisions(
     contacts: Res<ContactTable>,
     history: Res<ContactHistory>,
     progress: Res<ClasticProgress>,
-    mut touching: Local<Vec<(BodyId, BodyId)>>,
+    mut touching: ResMut<TouchingPairs>,
     mut messages: MessageWriter<Collision>,
     mut commands: Commands,
 ) {
@@ -48,7 +70,7 @@ pub fn announce_collisions(
         let ids = (bodies.ids[a], bodies.ids[b]);
         now.push(ids);
         let contact = contacts.0.binary_search_by_key(&pair, |contact| (contact.a, contact.b));
-        if let (Ok(k), Err(_)) = (contact, touching.binary_search(&ids)) {
+        if let (Ok(k), Err(_)) = (contact, touching.0.binary_search(&ids)) {
             let collision = Collision {
                 increment: progress.increment,
                 bodies: [bodies.entities[a], bodies.entities[b]],
@@ -64,5 +86,5 @@ pub fn announce_collisions(
     }
     // By identity, since rows change when bodies come and go.
     now.sort_unstable();
-    *touching = now;
+    touching.0 = now;
 }

@@ -6,8 +6,8 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{
-    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
-    BodyVelocity, ExternalForce, LastMotion,
+    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
+    BodyPosition, BodyRotation, BodyVelocity, LastMotion,
 };
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
@@ -74,7 +74,7 @@ fn register_bodies(app: &mut App) {
         .register_component::<BodyId, BodyDrives>("drives")
         .register_component::<BodyId, AppliedLoad>("applied_load")
         .register_component::<BodyId, Swinging>("swinging")
-        .register_component::<BodyId, ExternalForce>("external_force")
+        .register_component::<BodyId, BodyExternalForce>("external_force")
         .register_component::<BodyId, RigidGroup>("rigid_group")
         .register_component::<BodyId, ContactForce>("contact_force")
         .register_component::<BondId, Bond>("bond")

@@ -17,7 +17,7 @@ use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallRotation};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, Limits};
 
-use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
+use crate::schedule::{AttemptIncrement, AttemptSystems};
 use crate::state::{RegisterState, StateOf};
 use crate::stepping::ClasticHalted;
 
@@ -28,15 +28,13 @@ pub struct LinksPlugin;
 impl Plugin for LinksPlugin {
     fn build(&self, app: &mut App) {
         app.world_mut().register_component_hooks::<LinkBetween>().on_add(linked);
-        app.register_state::<AllLinks>("links")
-            .add_systems(
-                AttemptIncrement,
+        app.register_state::<AllLinks>("links").add_systems(
+            AttemptIncrement,
+            (
                 set_limits.after(AttemptSystems::Balance).before(AttemptSystems::Solve),
-            )
-            .add_systems(
-                Increment,
-                refuse_overload.after(IncrementSystems::Attempts).before(IncrementSystems::Update),
-            );
+                refuse_overload.after(AttemptSystems::Solve).before(AttemptSystems::Judge),
+            ),
+        );
     }
 }
 
@@ -251,7 +249,8 @@ fn set_limits(
     }
 }
 
-/// Halts the world where a link has reached that strength, and so has given way.
+/// Halts the world, before the increment is committed, where a link has reached that strength, and so
+/// has given way.
 fn refuse_overload(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,

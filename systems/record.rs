@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{
-    BodyId, BodyOrigin, BodyPosition, BodyRotation, ExternalForce, Probe,
+    BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation, Probe,
 };
 use clastic_components::bond::BondState;
 use clastic_components::contact::{BodyTable, ContactTable};
@@ -195,7 +195,7 @@ fn record_probes(
         &BodyOrigin,
         Option<&BodyRotation>,
         Option<&WallRotation>,
-        &ExternalForce,
+        &BodyExternalForce,
         Option<&ContactForce>,
     )>,
     mut out: ResMut<Observation>,

@@ -41,7 +41,7 @@ impl Plugin for ReflectPlugin {
             body::BodyDrives,
             body::AppliedLoad,
             body::LoadControl,
-            body::ExternalForce,
+            body::BodyExternalForce,
             body::Probe,
             body::Group,
             link::Link,

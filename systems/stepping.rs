@@ -26,6 +26,7 @@ use bevy_time::{Fixed, Time};
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::Particle;
+use clastic_components::wall::Wall;
 
 use crate::attempt::proof::proof;
 use crate::schedule::Increment;
@@ -186,7 +187,7 @@ impl Plugin for SteppingPlugin {
                     AdvanceSystems::Begin.run_if(not(resource_exists::<ClasticHalted>)),
                     AdvanceSystems::Increment.run_if(is_due),
                     AdvanceSystems::End.run_if(is_due),
-                    AdvanceSystems::Announce.run_if(is_due),
+                    AdvanceSystems::Announce.run_if(has_news),
                     AdvanceSystems::Output.run_if(is_due),
                 )
                     .chain(),
@@ -194,6 +195,7 @@ impl Plugin for SteppingPlugin {
             advance.add_systems(increment.in_set(AdvanceSystems::Increment));
         });
         app.init_resource::<IncrementDue>()
+            .init_resource::<IncrementCommitted>()
             .init_resource::<IncrementUndone>()
             .init_resource::<ClasticRunning>()
             .add_message::<ClasticStopped>()
@@ -232,17 +234,36 @@ pub fn is_due(due: Res<IncrementDue>, halted: Option<Res<ClasticHalted>>) -> boo
     due.0 && halted.is_none()
 }
 
-/// Exclusive, because it runs a schedule.
-fn increment(world: &mut World) {
-    world.run_schedule(Increment);
+/// Run condition: as [`is_due`], or an increment was committed and the world halted after it. What
+/// has happened is told.
+fn has_news(
+    due: Res<IncrementDue>,
+    halted: Option<Res<ClasticHalted>>,
+    committed: Res<IncrementCommitted>,
+) -> bool {
+    due.0 && (committed.0 || halted.is_none())
 }
 
-/// Makes an increment if the app is [`ClasticRunning`] and has particles. Exclusive, because it
-/// runs a schedule.
-fn step(world: &mut World, particles: &mut QueryState<(), With<Particle>>) {
+/// Whether [`AdvanceIncrement`] has just committed an increment.
+#[derive(Resource, Default)]
+struct IncrementCommitted(bool);
+
+/// Exclusive, because it runs a schedule.
+fn increment(world: &mut World) {
+    let before = world.resource::<ClasticProgress>().increment;
+    world.run_schedule(Increment);
+    let is_tried = world.resource::<ClasticProgress>().increment != before;
+    let status = world.get_resource::<Attempt>().map(|attempt| attempt.status);
+    let is_committed = is_tried && status.is_some_and(IncrementStatus::is_committed);
+    world.insert_resource(IncrementCommitted(is_committed));
+}
+
+/// Makes an increment if the app is [`ClasticRunning`] and has a particle or a wall. Exclusive,
+/// because it runs a schedule.
+fn step(world: &mut World, bodies: &mut QueryState<(), Or<(With<Particle>, With<Wall>)>>) {
     // `QueryState::is_empty` looks only at the archetypes that it knows, and it learns of no new
     // ones.
-    let is_empty = particles.iter(world).next().is_none();
+    let is_empty = bodies.iter(world).next().is_none();
     if is_empty || !world.resource::<ClasticRunning>().may_go_on() {
         return;
     }

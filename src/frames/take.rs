@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::body::{BodyOrigin, ExternalForce, Group};
+use clastic_components::body::{BodyExternalForce, BodyOrigin, Group};
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::BodyTable;
@@ -30,7 +30,7 @@ pub struct FrameTables<'w, 's> {
     cell: Option<Res<'w, PeriodicCell>>,
     bonds: Query<'w, 's, (&'static BondId, &'static Bond, &'static BondState)>,
     origins: Query<'w, 's, (&'static BodyOrigin, Option<&'static Group>)>,
-    walls: Query<'w, 's, (Option<&'static WallName>, &'static ExternalForce)>,
+    walls: Query<'w, 's, (Option<&'static WallName>, &'static BodyExternalForce)>,
     membranes: Query<'w, 's, (&'static Membrane, &'static MembraneShape)>,
 }
 
@@ -158,7 +158,7 @@ impl FrameTables<'_, '_> {
     }
 }
 
-const NO_FORCE: ExternalForce = ExternalForce([0.0; 3]);
+const NO_FORCE: BodyExternalForce = BodyExternalForce([0.0; 3]);
 
 /// Middle of the box around the centres of the particles, m: from there offsets are shortest.
 fn middle(bodies: &BodyTable) -> DVec2 {

@@ -7,7 +7,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{
-    BodyAngularVelocity, BodyId, BodyVelocity, ExternalForce, LastMotion,
+    BodyAngularVelocity, BodyExternalForce, BodyId, BodyVelocity, LastMotion,
 };
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact_history::ContactHistory;
@@ -154,14 +154,14 @@ pub fn end(world: &mut World) {
     world.resource_mut::<ContactHistory>().0.clear();
     let mut bodies = world.query::<(
         &mut LastMotion,
-        &mut ExternalForce,
+        &mut BodyExternalForce,
         Option<&mut BodyVelocity>,
         Option<&mut BodyAngularVelocity>,
     )>();
     for (mut motion, mut force, velocity, spin) in bodies.iter_mut(world) {
         *motion = LastMotion::default();
         // A later load on a wall starts from the force that the wall carries, which is zero.
-        *force = ExternalForce::default();
+        *force = BodyExternalForce::default();
         if let Some(mut velocity) = velocity {
             *velocity = BodyVelocity::default();
         }

@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, ExternalForce};
+use clastic_components::body::{BodyExternalForce, BodyId};
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::membrane::{Course, Membrane};
@@ -74,7 +74,7 @@ pub fn stress_of(world: &mut World, names: &[String]) -> f64 {
         if let Some(WallControl::Stress { to, .. }) = world.get::<WallControl>(*wall) {
             return *to;
         }
-        match (world.get::<Wall>(*wall), world.get::<ExternalForce>(*wall)) {
+        match (world.get::<Wall>(*wall), world.get::<BodyExternalForce>(*wall)) {
             (Some(wall), Some(force)) => {
                 let force = DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
                 force / (2.0 * wall.half_length * thickness)

@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::body::{
-    BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
-    BodyVelocity, ExternalForce, LoadControl, Probe,
+    BodyAngularVelocity, BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
+    BodyPosition, BodyRotation, BodyVelocity, LoadControl, Probe,
 };
 use clastic_components::increment::ClasticAnalysis;
 use clastic_components::particle::Particle;
@@ -59,7 +59,8 @@ fn set_control(
     let get = |world: &World| {
         let drives = world.get::<BodyDrives>(entity).map(|drives| drives.0).unwrap_or_default();
         let loads = world.get::<LoadControl>(entity).map(|loads| loads.0).unwrap_or_default();
-        let reaction = world.get::<ExternalForce>(entity).map(|force| force.0).unwrap_or_default();
+        let reaction =
+            world.get::<BodyExternalForce>(entity).map(|force| force.0).unwrap_or_default();
         (drives, loads, reaction)
     };
     let (mut drives, mut loads, reaction) = get(world);
@@ -137,7 +138,7 @@ fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
         let turned = wall.entry::<WallRotation>().or_default().get().0;
         reference.get_or_insert(turned);
         let arm = wall.get::<BodyPosition>().map_or(DVec2::ZERO, |x| x.0 - state.centre);
-        let [x, y, moment] = wall.get::<ExternalForce>().map_or([0.0; 3], |force| force.0);
+        let [x, y, moment] = wall.get::<BodyExternalForce>().map_or([0.0; 3], |force| force.0);
         carried[0] += x;
         carried[1] += y;
         carried[2] += moment + arm.perp_dot(DVec2::new(x, y));
@@ -155,7 +156,7 @@ fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
         Probe(name.to_owned()),
     ));
     if !control.walls.is_empty() {
-        group.insert((BodyDrives([BodyDrive::Imposed(0.0); 3]), ExternalForce(carried)));
+        group.insert((BodyDrives([BodyDrive::Imposed(0.0); 3]), BodyExternalForce(carried)));
     }
 }
 

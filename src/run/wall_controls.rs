@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::RunSystemOnce;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, BodyPosition, ExternalForce, LastMotion};
+use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition, LastMotion};
 use clastic_components::increment::ClasticAnalysis;
 use clastic_components::wall::{
     LoadedLength, TableOf, Wall, WallControl, WallName, WallRotation, WallSlide, WallTable,
@@ -133,9 +133,11 @@ fn stress_length(
 /// increment, along which its contacts carried; along its present normal the friction would have a
 /// part in proportion to the angle.
 fn reaction(world: &World, wall: Entity) -> f64 {
-    let (Some(wall), Some(force), Some(motion)) =
-        (world.get::<Wall>(wall), world.get::<ExternalForce>(wall), world.get::<LastMotion>(wall))
-    else {
+    let (Some(wall), Some(force), Some(motion)) = (
+        world.get::<Wall>(wall),
+        world.get::<BodyExternalForce>(wall),
+        world.get::<LastMotion>(wall),
+    ) else {
         return 0.0;
     };
     DVec2::new(force.0[0], force.0[1]).dot(as_it_carried(wall, motion).inward())

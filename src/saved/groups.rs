@@ -1,7 +1,7 @@
 //! The rigid groups of a saved state.
 
 use clastic_components::body::{
-    BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation, ExternalForce,
+    BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation,
     LastMotion, LoadControl, Probe, Ramp,
 };
 use clastic_components::increment::ClasticProgress;
@@ -74,7 +74,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     tables.put("rigid.rotation_rad", Array::f64(rotations.iter().map(|r| r.0).collect()));
     let motions = each::<LastMotion>(state, "last_motion", ids)?;
     tables.put("rigid.last_motion", Array::vectors(motions.iter().map(|u| u.0)));
-    let forces = each::<ExternalForce>(state, "external_force", ids)?;
+    let forces = each::<BodyExternalForce>(state, "external_force", ids)?;
     tables.put("rigid.external_force", Array::vectors(forces.iter().map(|f| f.0)));
     let forces = each::<ContactForce>(state, "contact_force", ids)?;
     tables.put("rigid.contact_force", Array::vectors(forces.iter().map(|f| f.0)));
@@ -136,7 +136,7 @@ pub(super) fn read(
     let motions = triples("rigid.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("rigid.external_force")?;
-    add(state, "external_force", ids, forces.into_iter().map(|f| Some(ExternalForce(f))))?;
+    add(state, "external_force", ids, forces.into_iter().map(|f| Some(BodyExternalForce(f))))?;
     let forces = triples("rigid.contact_force")?;
     add(state, "contact_force", ids, forces.into_iter().map(|f| Some(ContactForce(f))))?;
     let loads = triples("rigid.load_from")?.into_iter().zip(triples("rigid.load_to")?);

@@ -1,8 +1,8 @@
 //! The particles of a saved state.
 
 use clastic_components::body::{
-    BodyAngularVelocity, BodyDrive, BodyDrives, BodyId, BodyOrigin, BodyPosition, BodyRotation,
-    BodyVelocity, ExternalForce, Group, LastMotion, LoadControl, Probe, Ramp,
+    BodyAngularVelocity, BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
+    BodyPosition, BodyRotation, BodyVelocity, Group, LastMotion, LoadControl, Probe, Ramp,
 };
 use clastic_components::increment::ClasticProgress;
 use clastic_components::particle::{MaterialIndex, Particle, Swinging};
@@ -82,7 +82,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     tables.put("particles.origin_m", Array::vectors(origins.iter().map(|x| x.0.to_array())));
     let motions = each::<LastMotion>(state, "last_motion", ids)?;
     tables.put("particles.last_motion", Array::vectors(motions.iter().map(|u| u.0)));
-    let forces = each::<ExternalForce>(state, "external_force", ids)?;
+    let forces = each::<BodyExternalForce>(state, "external_force", ids)?;
     tables.put("particles.external_force", Array::vectors(forces.iter().map(|f| f.0)));
     let loads = each::<LoadControl>(state, "load_control", ids)?;
     tables.put("particles.load_from", Array::vectors(loads.iter().map(|l| l.0.map(|l| l.0))));
@@ -156,7 +156,7 @@ pub(super) fn read(
     let motions = triples("particles.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("particles.external_force")?;
-    add(state, "external_force", ids, forces.into_iter().map(|f| Some(ExternalForce(f))))?;
+    add(state, "external_force", ids, forces.into_iter().map(|f| Some(BodyExternalForce(f))))?;
     let loads = triples("particles.load_from")?.into_iter().zip(triples("particles.load_to")?);
     let loads = loads.map(|(from, to)| Some(LoadControl([0, 1, 2].map(|k| (from[k], to[k])))));
     add(state, "load_control", ids, loads)?;

@@ -1,7 +1,7 @@
 //! The walls of a saved state: those of the scene, whether they are there or not, then others.
 
 use clastic_components::body::{
-    BodyId, BodyOrigin, BodyPosition, ExternalForce, LastMotion, Probe,
+    BodyExternalForce, BodyId, BodyOrigin, BodyPosition, LastMotion, Probe,
 };
 use clastic_components::material::ContactLaw;
 use clastic_components::wall::{Wall, WallName};
@@ -109,7 +109,7 @@ pub(super) fn write(
     let motions = of::<LastMotion>(state, "last_motion", ids)?;
     let motions = motions.iter().map(|u| u.unwrap_or_default().0);
     tables.put("walls.last_motion", Array::vectors(motions));
-    let forces = of::<ExternalForce>(state, "external_force", ids)?;
+    let forces = of::<BodyExternalForce>(state, "external_force", ids)?;
     let forces = forces.iter().map(|f| f.unwrap_or_default().0);
     tables.put("walls.external_force", Array::vectors(forces));
     let laws = of::<ContactLaw>(state, "contact_law", ids)?;
@@ -188,7 +188,7 @@ pub(super) fn read(
     let motions = triples("walls.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("walls.external_force")?;
-    add(state, "external_force", ids, forces.into_iter().map(|f| Some(ExternalForce(f))))?;
+    add(state, "external_force", ids, forces.into_iter().map(|f| Some(BodyExternalForce(f))))?;
     let laws = tables.vectors::<6>("walls.law", n)?.into_iter().enumerate();
     let laws = laws.filter(|(k, _)| is_there(*k)).map(|(_, row)| Some(law(row)));
     add(state, "contact_law", ids, laws)?;

@@ -26,13 +26,15 @@ pub fn run_attempts(world: &mut World) {
     // The tables before the first motion, for restoring them.
     let mut start = None;
     loop {
+        if !world.contains_resource::<ClasticHalted>() {
+            world.run_schedule(AttemptIncrement);
+        }
         if let Some(ClasticHalted(reason)) = world.get_resource::<ClasticHalted>() {
             world.resource_mut::<Attempt>().complaint = reason.clone();
             end_increment(world, IncrementStatus::Undecided, start.as_ref());
             world.insert_resource(before);
             return;
         }
-        world.run_schedule(AttemptIncrement);
         let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();
         let verdict = std::mem::take(&mut attempt.verdict);

@@ -15,7 +15,7 @@ use super::laws;
 /// The thickness of a disk, if it is another one than that of the analysis.
 pub(super) fn thickness(disk: &Particle, analysis: &ClasticAnalysis) -> Option<Bad> {
     let h = disk.thickness.filter(|h| *h != analysis.thickness)?;
-    let wanted = format!("that of `Analysis`, {:?} m, or set that one", analysis.thickness);
+    let wanted = format!("that of `ClasticAnalysis`, {:?} m, or set that one", analysis.thickness);
     Some(Bad::new("thickness", h, wanted))
 }
 

@@ -18,9 +18,16 @@ pub(super) fn in_tables(bodies: &BodyTable) -> Option<(BondId, Entity, String, B
     let of_law = bodies.bonds.iter().filter_map(|bond| {
         let gap = || finite("initial_gap", bond.initial_gap, "a length in m");
         let walls = || {
-            let first = bodies.ids[bond.a as usize];
+            let [first, second] = [bond.a, bond.b].map(|row| bodies.ids[row as usize]);
             let is_particle = (bond.a as usize) < bodies.particles;
-            (!is_particle).then(|| Bad::new("a", first, "a particle: walls bond to particles"))
+            let is_group = bond.b as usize >= bodies.ids.len() - bodies.group_count;
+            (!is_particle)
+                .then(|| Bad::new("a", first, "a particle: walls bond to particles"))
+                .or_else(|| {
+                    let wanted = "a particle or a wall: members of a rigid group have bonds";
+                    is_group.then(|| Bad::new("b", second, wanted))
+                })
+                .or_else(|| (first == second).then(|| Bad::new("b", second, "another body than a")))
         };
         let bad = laws::of_bond(&bond.law).or_else(gap).or_else(walls)?;
         Some((bond.id, bond.entity, pair(bond), bad))

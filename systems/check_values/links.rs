@@ -7,7 +7,7 @@ use clastic_components::contact::BodyTable;
 use clastic_components::domain::{COMPLIANCE, PLACE};
 use clastic_components::link::{Link, LinkKind};
 
-use super::bad::{Bad, not_negative, outside};
+use super::bad::{self, Bad, outside};
 
 /// The first link without a meaning, in words.
 pub(super) fn bad(
@@ -34,7 +34,13 @@ fn of_rows(
         let arms = link.arms.iter().flat_map(|arm| [arm.x, arm.y]);
         let length = || match link.kind {
             LinkKind::Length(length) => {
-                not_negative("length", length, "a length in m, not below 0")
+                let is_length = length > 0.0 && length.is_finite();
+                bad::bad(
+                    "length",
+                    length,
+                    is_length,
+                    "a length in m above 0; `Link::hinge` has none",
+                )
             }
             LinkKind::Hinge => None,
         };
@@ -47,9 +53,14 @@ fn of_rows(
             let wanted = "either a link or a bond to a pair: despawn one of the two";
             Some(Bad::new("a pair with bond", id.0, wanted))
         };
+        let itself = || {
+            let [a, b] = link.rows;
+            (a == b).then(|| Bad::new("b", bodies.ids[b as usize], "another body than a"))
+        };
         let bad = arms
             .filter_map(|arm| outside("on_a or on_b", arm, PLACE))
             .next()
+            .or_else(itself)
             .or_else(length)
             .or_else(|| outside("compliance", link.compliance, COMPLIANCE))
             .or_else(bond)?;

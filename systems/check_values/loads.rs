@@ -19,8 +19,9 @@ pub(crate) fn refused_load(loads: &TrialLoads, bodies: &BodyTable) -> Option<Str
             .or_else(|| finite("force", load.force, "a force in N or a moment in N m"))
             .or_else(|| not_negative("stiffness", load.stiffness, "N/m or N m/rad, not below 0"))
             .or_else(|| {
-                let wanted = "0, since springs act on particles and rigid groups";
-                (load.stiffness > 0.0 && is_wall)
+                let is_member = bodies.group(row).is_some();
+                let wanted = "0: a spring acts on a particle or on a rigid group as a whole";
+                (load.stiffness > 0.0 && (is_wall || is_member))
                     .then(|| Bad::new("stiffness", load.stiffness, wanted))
             })?;
         let entity = bodies.entities[row];

@@ -7,9 +7,11 @@ mod bad;
 mod bodies;
 mod bonds;
 mod controls;
+mod groups;
 mod laws;
 mod links;
 mod loads;
+mod membranes;
 mod missing;
 mod settings;
 
@@ -22,7 +24,9 @@ use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::BodyTable;
 use clastic_components::link::Link;
 use clastic_components::material::Materials;
+use clastic_components::membrane::Membrane;
 use clastic_components::particle::Particle;
+use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::{WallName, WallSlide, WallTable};
 
 use crate::stepping::ClasticHalted;
@@ -42,6 +46,8 @@ pub(crate) fn check_values(
     particles: Query<(&BodyId, &Particle)>,
     bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
     links: Query<(Entity, &Link)>,
+    membranes: Query<&Membrane>,
+    groups: Query<(&BodyId, &RigidGroup)>,
     controls: Query<(Option<&WallTable>, Option<&WallSlide>)>,
     names: Query<(Option<&Name>, Option<&WallName>)>,
     halted: Option<Res<ClasticHalted>>,
@@ -59,7 +65,7 @@ pub(crate) fn check_values(
     let of_setting = || settings.bad().map(|(name, bad)| bad.in_words(format_args!("`{name}`")));
     let of_cell = || Some(bodies::cell(bodies.cell.as_ref()?)?.in_words("`PeriodicCell`"));
     let lacking = || {
-        let (entity, bad) = missing::missing(archetypes, components)?;
+        let (entity, bad) = missing::misfit(archetypes, components)?;
         Some(bad.in_words(called(entity)))
     };
     let list = materials.as_ref().map_or(&[][..], |materials| &materials.0);
@@ -110,6 +116,8 @@ pub(crate) fn check_values(
         .or_else(of_thickness)
         .or_else(of_wall)
         .or_else(of_group)
+        .or_else(|| groups::bad(&bodies, settings.analysis.kind, &groups))
+        .or_else(|| membranes::bad(&bodies, &membranes))
         .or_else(of_bond)
         .or_else(of_link);
     if let Some(message) = message {

@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::domain::{
-    BRITTLENESS, DENSITY_OF_RUPTURES, GRAVITY, OVERLOAD, RESIDUAL, THETA, THICKNESS, TIME_STEP,
-    TURN,
+    AGITATION, BRITTLENESS, DENSITY_OF_RUPTURES, FACTOR, GRAVITY, MOTION_STEP, OVERLOAD, PART,
+    RESIDUAL, THETA, THICKNESS, TIME_STEP, TURN,
 };
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, RuptureRules};
 
@@ -23,7 +23,7 @@ impl Settings<'_> {
     /// The first value without a meaning, with the name of its resource.
     pub(super) fn bad(&self) -> Option<(&'static str, Bad)> {
         let of = |name, bad: Option<Bad>| bad.map(|bad| (name, bad));
-        of("Analysis", analysis(&self.analysis))
+        of("ClasticAnalysis", analysis(&self.analysis))
             .or_else(|| of("Acceptance", acceptance(&self.acceptance)))
             .or_else(|| of("RuptureRules", rules(&self.rules)))
     }
@@ -34,10 +34,12 @@ fn analysis(analysis: &ClasticAnalysis) -> Option<Bad> {
         AnalysisKind::Dynamic { dt, theta } => {
             outside("dt", dt, TIME_STEP).or_else(|| outside("theta", theta, THETA))
         }
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
+        AnalysisKind::Compaction { agitation, .. } => outside("agitation", agitation, AGITATION),
+        AnalysisKind::Static => None,
     };
     kind()
         .or_else(|| outside("path_theta", analysis.path_theta?, THETA))
+        .or_else(|| outside("strength", analysis.strength, FACTOR))
         .or_else(|| outside("gravity x", analysis.gravity.x, GRAVITY))
         .or_else(|| outside("gravity y", analysis.gravity.y, GRAVITY))
         .or_else(|| outside("thickness", analysis.thickness, THICKNESS))
@@ -46,10 +48,15 @@ fn analysis(analysis: &ClasticAnalysis) -> Option<Bad> {
 fn acceptance(acceptance: &Acceptance) -> Option<Bad> {
     outside("residual", acceptance.residual, RESIDUAL)
         .or_else(|| outside("turn", acceptance.turn, TURN))
+        .or_else(|| outside("motion_step", acceptance.motion_step, MOTION_STEP))
+        .or_else(|| outside("overlap", acceptance.overlap, PART))
+        .or_else(|| outside("regularisation", acceptance.regularisation, PART))
 }
 
 fn rules(rules: &RuptureRules) -> Option<Bad> {
     outside("tolerance", rules.tolerance, OVERLOAD)
         .or_else(|| outside("density", rules.density, DENSITY_OF_RUPTURES))
         .or_else(|| outside("brittleness", rules.brittleness, BRITTLENESS))
+        .or_else(|| outside("slack", rules.slack, PART))
+        .or_else(|| outside("multiplier", rules.multiplier, PART))
 }

@@ -4,7 +4,7 @@
 use glam::DVec2;
 
 use clastic_components::body::{
-    BodyAngularVelocity, BodyDrive, BodyId, BodyPosition, BodyVelocity, ExternalForce,
+    BodyAngularVelocity, BodyDrive, BodyExternalForce, BodyId, BodyPosition, BodyVelocity,
 };
 use clastic_components::energy::Energies;
 use clastic_components::rigid_group::GroupRow;
@@ -16,7 +16,7 @@ use super::interactions::{Part, Tables};
 type Row<'a> = (
     &'a BodyId,
     &'a BodyPosition,
-    &'a ExternalForce,
+    &'a BodyExternalForce,
     Option<&'a BodyVelocity>,
     Option<&'a BodyAngularVelocity>,
 );
@@ -90,7 +90,7 @@ fn book_group(
     dt: f64,
     theta: f64,
     group: &GroupRow,
-    force: &ExternalForce,
+    force: &BodyExternalForce,
     mean: &mut [f64; 3],
 ) {
     let Tables { bodies, .. } = tables;

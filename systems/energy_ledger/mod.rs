@@ -49,7 +49,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::body::{
-    BodyAngularVelocity, BodyId, BodyPosition, BodyVelocity, ExternalForce,
+    BodyAngularVelocity, BodyExternalForce, BodyId, BodyPosition, BodyVelocity,
 };
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
@@ -119,7 +119,7 @@ fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
 type MovedBody = (
     &'static BodyId,
     &'static BodyPosition,
-    &'static ExternalForce,
+    &'static BodyExternalForce,
     Option<&'static BodyVelocity>,
     Option<&'static BodyAngularVelocity>,
 );
@@ -239,7 +239,7 @@ fn exchange_kinetic(
     rows: &[(
         &BodyId,
         &BodyPosition,
-        &ExternalForce,
+        &BodyExternalForce,
         Option<&BodyVelocity>,
         Option<&BodyAngularVelocity>,
     )],

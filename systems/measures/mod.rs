@@ -17,7 +17,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
-use clastic_components::body::{ExternalForce, LastMotion};
+use clastic_components::body::{BodyExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
@@ -122,7 +122,7 @@ pub struct EndTables<'w, 's> {
     path: Option<Res<'w, StrainPath>>,
     cracks: Option<Res<'w, CrackSums>>,
     poured: Option<Res<'w, Poured>>,
-    forces: Query<'w, 's, (&'static Wall, &'static ExternalForce, &'static LastMotion)>,
+    forces: Query<'w, 's, (&'static Wall, &'static BodyExternalForce, &'static LastMotion)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
 }
 

@@ -5,7 +5,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::body::{BodyId, BodyPosition, ExternalForce, LastMotion};
+use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition, LastMotion};
 use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_components::membrane::MembraneShape;
@@ -128,7 +128,7 @@ pub struct StressTables<'w, 's> {
     forces: Query<
         'w,
         's,
-        (&'static Wall, &'static ExternalForce, &'static LastMotion, &'static BodyId),
+        (&'static Wall, &'static BodyExternalForce, &'static LastMotion, &'static BodyId),
     >,
     membranes: Query<'w, 's, &'static MembraneShape>,
 }

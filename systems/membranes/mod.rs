@@ -53,7 +53,16 @@ impl StateOf for MembraneStates {
     }
 
     fn put(self, world: &mut World) {
+        Self::forget(world);
         world.spawn_batch(self.0);
+    }
+
+    fn forget(world: &mut World) {
+        let all: Vec<Entity> =
+            world.query_filtered::<Entity, With<Membrane>>().iter(world).collect();
+        for membrane in all {
+            world.despawn(membrane);
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Forces and moments of the outside world on bodies.
 
 use bevy_ecs::prelude::*;
-use clastic_components::body::{BodyDrive, BodyId, ExternalForce};
+use clastic_components::body::{BodyDrive, BodyExternalForce, BodyId};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
@@ -9,7 +9,7 @@ use clastic_components::rigid_group::{ContactForce, GroupRow};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 use glam::DVec2;
 
-/// Computes [`ExternalForce`]: the force that the motion requires in addition to contact forces and
+/// Computes [`BodyExternalForce`]: the force that the motion requires in addition to contact forces and
 /// gravity.
 pub fn external_forces(
     bodies: Res<BodyTable>,
@@ -19,7 +19,7 @@ pub fn external_forces(
     loads: Res<TrialLoads>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    mut out: Query<(&BodyId, &mut ExternalForce)>,
+    mut out: Query<(&BodyId, &mut BodyExternalForce)>,
     mut of_contacts: Query<(&BodyId, &mut ContactForce)>,
 ) {
     let mut rows = vec![[0.0; 3]; program.bodies.len()];

@@ -51,7 +51,7 @@ fn the_bond_stretches_breaks_and_is_gone() {
         let world = app.world();
         let status = world.resource::<Observation>().status.name();
         assert_eq!(status, "solved");
-        let force = world.get::<ExternalForce>(pulled).unwrap().0[0];
+        let force = world.get::<BodyExternalForce>(pulled).unwrap().0[0];
         assert!((force - expected).abs() < 1e-6, "{force} N instead of {expected} N");
     }
     let observation = app.world().resource::<Observation>();
@@ -144,7 +144,7 @@ fn a_value_without_meaning_stops_the_app_and_is_named() {
         mend(world);
         world.insert_resource(ClasticRunning::Always);
         app.update();
-        let force = app.world().get::<ExternalForce>(pulled).unwrap().0[0];
+        let force = app.world().get::<BodyExternalForce>(pulled).unwrap().0[0];
         assert!((force - 20.0).abs() < 1e-6, "{message}: {force} N after it");
     }
 }

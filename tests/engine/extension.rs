@@ -114,7 +114,7 @@ fn a_wall_follows_a_sine_and_squeezes_a_disk() {
         let height = world.get::<BodyPosition>(lid).unwrap().0.y;
         assert!((height - sought).abs() < 1e-16, "increment {n}: {height} for {sought}");
         // Two equal springs in series under the lid, none above it; positive pushes downwards.
-        let force = -world.get::<ExternalForce>(lid).unwrap().0[1];
+        let force = -world.get::<BodyExternalForce>(lid).unwrap().0[1];
         let expected = 0.5 * STIFFNESS * squeezed.max(0.0);
         assert!((force - expected).abs() < 1e-6, "increment {n}: {force} N for {expected} N");
     }
@@ -203,7 +203,7 @@ fn a_parameter_of_the_contact_law_of_a_plugin_changes_the_friction() {
     }
     let weight = world.get::<Particle>(wet).unwrap().mass * 9.81;
     for (disk, friction) in [(wet, 0.25), (dry, 0.5)] {
-        let push = world.get::<ExternalForce>(disk).unwrap().0[0];
+        let push = world.get::<BodyExternalForce>(disk).unwrap().0[0];
         assert!((push - friction * weight).abs() < 1e-6 * weight, "{push} N with {friction}");
     }
 }

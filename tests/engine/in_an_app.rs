@@ -5,6 +5,7 @@ use std::time::Duration;
 use bevy_app::{App, FixedUpdate, Update};
 use bevy_ecs::prelude::*;
 use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
+use clastic::components::rigid_group::RigidGroup;
 use clastic::prelude::*;
 use clastic::run::spawn::spawn_scene;
 use clastic::run::{EndedBy, StageEnd};
@@ -54,6 +55,21 @@ fn bodies_that_come_after_the_first_update_are_stepped() {
             assert_eq!(increments(&app), before + n);
         }
     }
+}
+
+/// A scene that pours its first particle stood still in an app, and said nothing.
+#[test]
+fn a_scene_that_begins_without_particles_pours_them() {
+    let scene = crate::common::load("poured_bin");
+    let mut app = App::new();
+    app.add_plugins((ClasticPlugins::default(), ScenePlugin));
+    spawn_scene(app.world_mut(), &scene, None);
+    for n in 1..=20 {
+        app.update();
+        assert_eq!(increments(&app), n);
+    }
+    let mut particles = app.world_mut().query::<&Particle>();
+    assert!(particles.iter(app.world()).count() > 0);
 }
 
 #[derive(Resource, Default)]
@@ -107,6 +123,27 @@ fn every_rupture_is_read_and_observed_whatever_the_number_of_increments_per_fram
     let mut observed = heard.observed.clone();
     observed.sort_by_key(|(bond, ..)| bonds.iter().position(|known| known.0 == *bond));
     assert_eq!(observed, bonds);
+}
+
+/// What had happened in an increment was forgotten if a system halted the world after it.
+#[test]
+fn ruptures_are_told_if_the_world_halts_after_they_are_committed() {
+    let mut app = App::new();
+    app.add_plugins(ClasticPlugins::default()).init_resource::<Heard>();
+    let halt = |mut commands: Commands| commands.insert_resource(ClasticHalted("enough".into()));
+    app.add_systems(Increment, halt.after(IncrementSystems::Record));
+    app.add_observer(|broken: On<BondBroken>, mut heard: ResMut<Heard>| {
+        heard.observed.push((broken.bond, broken.bodies, broken.rupture.mode));
+    });
+    let law = BondLaw { normal_compliance: 1.0e-7, tensile_strength: 1.0, ..Default::default() };
+    let [a, b] = two_disks(&mut app);
+    app.world_mut()
+        .entity_mut(b)
+        .insert((BodyPosition(DVec2::new(0.2, 0.0)), BodyDrives::imposed([1.0e-6, 0.0, 0.0])));
+    let bond = app.world_mut().spawn(Bond::between(a, b, law)).id();
+    app.update();
+    app.update();
+    assert_eq!(app.world().resource::<Heard>().observed, [(bond, [a, b], RuptureMode::Tension)]);
 }
 
 /// A scene of which two stages of one increment each end.
@@ -202,13 +239,24 @@ fn an_analysis_without_a_meaning_is_refused_by_name() {
             ClasticAnalysis { thickness: -1.0, ..ClasticAnalysis::default() },
             "thickness = -1.0: give a thickness in m greater than 0".to_owned(),
         ),
+        (
+            ClasticAnalysis { strength: f64::NAN, ..ClasticAnalysis::default() },
+            "strength = NaN: give a factor greater than 0".to_owned(),
+        ),
+        (
+            ClasticAnalysis {
+                kind: AnalysisKind::Compaction { affine: true, agitation: -1.0, seed: 1 },
+                ..ClasticAnalysis::default()
+            },
+            "agitation = -1.0: give a length in m of 0 or more".to_owned(),
+        ),
     ];
     for (analysis, expected) in cases {
         let mut app = falling();
         app.insert_resource(analysis);
         app.world_mut().spawn(disk(0.0));
         let reason = refusal(&mut app);
-        assert!(reason.starts_with(&format!("`Analysis` has {expected}")), "{reason}");
+        assert!(reason.starts_with(&format!("`ClasticAnalysis` has {expected}")), "{reason}");
         let world = app.world_mut();
         assert_eq!(world.resource::<ClasticProgress>(), &ClasticProgress::default());
         world.insert_resource(dynamic(1.0e-3, 1.0));
@@ -282,12 +330,30 @@ fn an_input_without_an_effect_is_refused_by_name() {
         let wall = Wall::between(DVec2::new(-1.0, -0.3), DVec2::new(1.0, -0.3));
         app.world_mut().spawn((wall, WallName("floor".to_owned()), of));
     }
-    let cases: [(Fill, &str); 14] = [
+    fn link(kind: LinkKind) -> Link {
+        Link {
+            a: BodyId(0),
+            b: BodyId(1),
+            on_a: DVec2::ZERO,
+            on_b: DVec2::ZERO,
+            kind,
+            compliance: 0.0,
+        }
+    }
+    fn group(app: &mut App, name: &str, members: &[u32]) {
+        app.world_mut().spawn(RigidGroup {
+            name: name.into(),
+            members: members.iter().map(|id| BodyId(*id)).collect(),
+            has_pivot: false,
+            reference: 0.0,
+        });
+    }
+    let cases: [(Fill, &str); 23] = [
         (
             |app, [_, b]| {
                 app.world_mut().entity_mut(b).insert(Particle::disk(0.1, 2650.0, 0.5));
             },
-            "particle 1, ENTITY, has thickness = 0.5: give that of `Analysis`, 1.0 m, or set that one",
+            "particle 1, ENTITY, has thickness = 0.5: give that of `ClasticAnalysis`, 1.0 m, or set that one",
         ),
         (
             |app, _| loads(app, |mut l| l.add_spring(BodyId(1), 7, 1.0, 1.0e3)),
@@ -355,6 +421,63 @@ fn an_input_without_an_effect_is_refused_by_name() {
         (
             |app, _| _ = app.insert_resource(Acceptance { residual: -1.0, ..Default::default() }),
             "`Acceptance` has residual = -1.0: give a residual above 0",
+        ),
+        (
+            |app, [_, b]| _ = app.world_mut().entity_mut(b).insert(ContactLaw::default()),
+            "ENTITY has ContactLaw = \"a component\": give none",
+        ),
+        (
+            |app, _| wall(app, (Name::new("bed"), BodyVelocity::default())),
+            "`bed` has BodyVelocity = \"a component\": give none",
+        ),
+        (
+            |app, _| {
+                let link = Link { a: BodyId(0), b: BodyId(1), ..link(LinkKind::Length(0.0)) };
+                app.world_mut().spawn(link);
+            },
+            "the link of particle 0 and particle 1, entity",
+        ),
+        (
+            |app, _| {
+                let link = Link { a: BodyId(1), b: BodyId(1), ..link(LinkKind::Hinge) };
+                app.world_mut().spawn(link);
+            },
+            "the link of particle 1 and particle 1, entity",
+        ),
+        (
+            |app, _| {
+                let law = BondLaw::default();
+                let (a, b) = (BodyId(1), BodyId(1));
+                app.world_mut().spawn((Bond { a, b, initial_gap: 0.0, law }, Name::new("weld")));
+            },
+            "bond 0, `weld`, of particle 1 and particle 1 has b = BodyId(1): give another body",
+        ),
+        (
+            |app, _| {
+                group(app, "raft", &[1]);
+                loads(app, |mut l| l.add_spring(BodyId(1), 0, 1.0, 1.0e3));
+            },
+            "a load of `AddTrialLoads` on particle 1, ENTITY, has stiffness = 1000.0: give 0",
+        ),
+        (
+            |app, _| group(app, "raft", &[1, 88]),
+            "rigid group `raft` has a member = BodyId(88): give the identity of a particle or wall",
+        ),
+        (
+            |app, _| {
+                group(app, "raft", &[1]);
+                group(app, "tender", &[1]);
+            },
+            "rigid group `tender` has a member = BodyId(1): give a body that is a member of no other",
+        ),
+        (
+            |app, _| {
+                let course = Course::Closed;
+                let pressure = (0.0, -1.0);
+                let skin = Membrane { name: "skin".into(), pressure, course, ball: None };
+                app.world_mut().spawn(skin);
+            },
+            "membrane `skin` has pressure at the end = -1.0: give a pressure in Pa, not below 0",
         ),
     ];
     for (fill, expected) in cases {
@@ -429,6 +552,30 @@ fn an_app_that_asks_is_told_of_every_collision_once() {
     let [first] = read.as_slice() else { panic!("{read:?}") };
     assert_eq!((first.bodies, first.normal), ([ball, floor], DVec2::NEG_Y));
     assert!((44..=47).contains(&first.increment) && first.force > 0.0, "{first:?}");
+}
+
+/// After a rewind a contact that lasts was announced again, and one that closes anew was not.
+#[test]
+fn a_rewind_brings_back_which_bodies_touched() {
+    let mut app = falling();
+    app.world_mut().spawn(disk(0.0));
+    app.world_mut().spawn(Wall::between(DVec2::new(-1.0, -0.11), DVec2::new(1.0, -0.11)));
+    app.add_message::<Collision>().init_resource::<Hits>();
+    app.add_observer(|hit: On<BodyHit>, mut hits: ResMut<Hits>| hits.1.push(*hit.event()));
+    let capture =
+        |app: &mut App| WorldState::capture(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    let hits = |app: &App| app.world().resource::<Hits>().1.len();
+    let above = capture(&mut app);
+    let run = |app: &mut App| (0..60).for_each(|_| app.update());
+    run(&mut app);
+    assert_eq!(hits(&app), 2);
+    let at_rest = capture(&mut app);
+    at_rest.rewind(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    run(&mut app);
+    assert_eq!(hits(&app), 2);
+    above.rewind(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    run(&mut app);
+    assert_eq!(hits(&app), 4);
 }
 
 /// The collisions of messages, those of an observer of all bodies, and the bodies that the observer

@@ -128,7 +128,7 @@ fn a_weight_hangs_on_two_springs() {
     assert!((y + G / k).abs() < 1e-3 * G / k, "{y} m");
     let carried: f64 = bodies
         .iter()
-        .filter_map(|body| app.world().get::<ExternalForce>(*body))
+        .filter_map(|body| app.world().get::<BodyExternalForce>(*body))
         .map(|f| f.0[1])
         .sum();
     // With the weight of the two that are held.
@@ -156,7 +156,7 @@ fn a_torque_spins_a_wheel_on_its_axle() {
     assert!((spin - expected).abs() < 1e-9, "{spin} rad/s instead of {expected}");
     // It overlaps the axle, and does not touch it; the axle carries both.
     assert!(place(&app, wheel).length() < 1e-12);
-    let force = app.world().get::<ExternalForce>(axle).map_or([0.0; 3], |f| f.0);
+    let force = app.world().get::<BodyExternalForce>(axle).map_or([0.0; 3], |f| f.0);
     assert!((force[1] - 2.0 * G).abs() < 1e-9, "{force:?}");
 }
 

@@ -1,6 +1,7 @@
 //! Flexible membranes: resultants, mean stress, and forces that follow the grains.
 
 use std::collections::BTreeSet;
+use std::f64::consts::FRAC_PI_4;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
@@ -107,7 +108,7 @@ fn a_closed_membrane_brings_its_pressure_and_no_force() {
         let scale = pressure * THICKNESS * RADIUS;
         assert!(resultant(world).length() < 1e-10 * scale, "{}", resultant(world));
         // The grain that is held carries nothing.
-        let mut held = world.query::<(&BodyDrives, &ExternalForce)>();
+        let mut held = world.query::<(&BodyDrives, &BodyExternalForce)>();
         let held = held.iter(world).find(|(drives, _)| drives.0 != [BodyDrive::Free; 3]).unwrap().1;
         assert!(held.0[0].hypot(held.0[1]) < 1e-6 * scale, "{held:?}");
         if let Some(area) = area {
@@ -357,4 +358,22 @@ fn walls_on_which_a_kept_stress_acts_stay_or_the_stage_is_refused_with_their_nam
     for name in ["`top`", "`left`", "`right`"] {
         assert!(message.contains(name), "{message}");
     }
+}
+
+/// A rewind left the membrane beside the one of the state, so that the pressure was twice as high.
+#[test]
+fn a_rewind_leaves_one_membrane() {
+    let mut app = app(10.0, 0.0);
+    let ring = (0..8).map(|k| 2.0 * RADIUS * DVec2::from_angle(f64::from(k) * FRAC_PI_4) / 0.765);
+    for place in ring {
+        app.world_mut().spawn(disk(place));
+    }
+    let membranes = |app: &mut App| app.world_mut().query::<&Membrane>().iter(app.world()).count();
+    let before = WorldState::capture(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    app.world_mut().spawn(membrane(Course::Closed));
+    let with = WorldState::capture(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    with.rewind(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(membranes(&mut app), 1);
+    before.rewind(app.world_mut()).unwrap_or_else(|e| panic!("{e}"));
+    assert_eq!(membranes(&mut app), 0);
 }

@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
-use clastic::components::body::ExternalForce;
+use clastic::components::body::BodyExternalForce;
 use clastic::components::contact_history::ContactHistory;
 use clastic::components::energy::EnergyLedger;
 use clastic::components::observation::Observation;
@@ -336,7 +336,7 @@ fn a_force_after_a_turn_starts_from_the_normal_forces() {
         next(&mut simulation).unwrap();
         let world = simulation.world_mut();
         let normal: f64 = world.resource::<ContactHistory>().0.iter().map(|c| c.p).sum();
-        let mut walls = world.query::<(&Wall, &ExternalForce)>();
+        let mut walls = world.query::<(&Wall, &BodyExternalForce)>();
         let (wall, force) = walls.single(world).unwrap();
         let present = DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
         next(&mut simulation).unwrap();

@@ -8,7 +8,7 @@ use std::fmt;
 
 use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::body::{
-    BodyDrive, BodyDrives, BodyId, BodyPosition, ExternalForce, LastMotion,
+    BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyPosition, LastMotion,
 };
 use clastic::components::bond::{Bond, BondState};
 use clastic::components::contact::{BodyTable, ContactTable};
@@ -241,7 +241,7 @@ impl Oracle {
             .map(|b| b.motion[0].hypot(b.motion[1]))
             .fold(1e-6 * mean_radius, f64::max)
             .min(mean_radius);
-        let mut query = world.query::<(&BodyId, &BodyDrives, &ExternalForce)>();
+        let mut query = world.query::<(&BodyId, &BodyDrives, &BodyExternalForce)>();
         let outside: BTreeMap<u32, ([BodyDrive; 3], [f64; 3])> =
             query.iter(world).map(|(id, d, f)| (id.0, (d.0, f.0))).collect();
         // Displacement of a free particle under the loads, where bodies were in motion.
@@ -535,7 +535,7 @@ impl Oracle {
             let unit = if dynamic { force.max(turning) } else { force };
             findings.book(name, defect.abs() / unit, accepted, n);
         }
-        let mut query = world.query::<(&BodyId, &Wall, &WallControl, &ExternalForce)>();
+        let mut query = world.query::<(&BodyId, &Wall, &WallControl, &BodyExternalForce)>();
         for (id, wall, control, external) in query.iter(world) {
             let loaded = matches!(control, WallControl::Force { .. } | WallControl::Stress { .. });
             if loaded && !is_compaction {

@@ -94,14 +94,17 @@ pub(super) fn show(
         Some((chart, [x, y]))
     });
     let mut labels = ["no curve yet: press space".to_owned(), String::new()];
-    if let Some((chart, columns)) = chart {
-        if let Some(mut image) = images.get_mut(&plot.image) {
-            image.data = Some(chart.pixels());
+    if let Some(mut image) = images.get_mut(&plot.image) {
+        match &chart {
+            Some((chart, _)) => image.data = Some(chart.pixels()),
+            None => image.data.iter_mut().flatten().for_each(|byte| *byte = u8::MAX),
         }
+    }
+    if let Some((chart, columns)) = chart {
         let last = chart.points.last().copied().unwrap_or_default();
         labels = [1, 0].map(|axis| {
             let column = &series.columns[columns[axis]];
-            let shown = |value: f64| with_unit(value, column.unit);
+            let shown = |value: f64| with_unit(value, column.unit).trim_end().to_owned();
             let [low, high, step] = [chart.low[axis], chart.high[axis], chart.grid[axis]];
             format!(
                 "{}: now {}\n    {} to {}, grid {}",

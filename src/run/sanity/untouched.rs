@@ -8,7 +8,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::ExternalForce;
+use clastic_components::body::BodyExternalForce;
 use clastic_components::increment::{Acceptance, ClasticProgress};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::WallName;
@@ -44,7 +44,7 @@ pub struct Carried<'w, 's> {
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
     acceptance: Res<'w, Acceptance>,
-    walls: Query<'w, 's, (&'static WallName, &'static ExternalForce)>,
+    walls: Query<'w, 's, (&'static WallName, &'static BodyExternalForce)>,
     groups: Query<'w, 's, (&'static RigidGroup, &'static ContactForce)>,
 }
 
