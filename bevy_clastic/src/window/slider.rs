@@ -141,7 +141,8 @@ pub(super) fn show(
     let label = format!(
         "{}: {}\n    {} to {}; load {at} of {} (L)",
         load.name(),
-        with_unit(value, load.unit),
+        // No minus before a zero.
+        with_unit(value + 0.0, load.unit),
         with_unit(low, load.unit),
         with_unit(high, load.unit),
         loads.len()
