@@ -7,7 +7,7 @@ pub use loads::{Load, forget_loads, set_load, settle_loads};
 pub use series::{Column, Series, columns, row};
 
 use bevy::ecs::prelude::*;
-use clastic::components::increment::{ClasticAnalysis, AnalysisKind, ClasticProgress};
+use clastic::components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic::components::observation::Observation;
 use clastic::frames::Frame;
 use clastic::run::script::Script;

@@ -9,7 +9,7 @@ use std::process::ExitCode;
 
 use bevy::prelude::*;
 use bevy_clastic::draw::{DrawPlugin, Look, WatchPlugin, colour};
-use clastic::prelude::{BodyPosition, BodyRotation, Particle, ClasticProgress};
+use clastic::prelude::{BodyPosition, BodyRotation, ClasticProgress, Particle};
 use glam::DVec2;
 
 use super::drive::{Steps, drive, on_screen, picture, pixel};
