@@ -7,9 +7,11 @@ use clastic_components::domain::{
     AGITATION, BRITTLENESS, DENSITY_OF_RUPTURES, FACTOR, GRAVITY, MOTION_STEP, OVERLOAD, PART,
     RESIDUAL, THETA, THICKNESS, TIME_STEP, TURN,
 };
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, RuptureRules};
+use clastic_components::increment::{
+    Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
+};
 
-use super::bad::{Bad, outside};
+use super::bad::{Bad, not_negative, outside};
 
 /// The settings with numbers that an increment depends on.
 #[derive(SystemParam)]
@@ -17,6 +19,8 @@ pub(crate) struct Settings<'w> {
     pub(super) analysis: Res<'w, ClasticAnalysis>,
     acceptance: Res<'w, Acceptance>,
     rules: Res<'w, RuptureRules>,
+    law: Res<'w, FrictionLaw>,
+    progress: Res<'w, ClasticProgress>,
 }
 
 impl Settings<'_> {
@@ -26,6 +30,8 @@ impl Settings<'_> {
         of("ClasticAnalysis", analysis(&self.analysis))
             .or_else(|| of("Acceptance", acceptance(&self.acceptance)))
             .or_else(|| of("RuptureRules", rules(&self.rules)))
+            .or_else(|| of("FrictionLaw", law(&self.law)))
+            .or_else(|| of("ClasticProgress", progress(&self.progress)))
     }
 }
 
@@ -59,4 +65,17 @@ fn rules(rules: &RuptureRules) -> Option<Bad> {
         .or_else(|| outside("brittleness", rules.brittleness, BRITTLENESS))
         .or_else(|| outside("slack", rules.slack, PART))
         .or_else(|| outside("multiplier", rules.multiplier, PART))
+}
+
+fn law(law: &FrictionLaw) -> Option<Bad> {
+    let none =
+        [law.in_statics, law.in_dynamics].into_iter().flatten().find(|c| c.factorisations == 0)?;
+    Some(Bad::new("factorisations", none.factorisations, "a number of factorisations of 1 or more"))
+}
+
+fn progress(progress: &ClasticProgress) -> Option<Bad> {
+    let ClasticProgress { total, done, tried, .. } = *progress;
+    [("total", total), ("done", done), ("tried", tried)]
+        .into_iter()
+        .find_map(|(name, value)| not_negative(name, value, "a number of increments, not below 0"))
 }

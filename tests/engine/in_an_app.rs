@@ -5,6 +5,7 @@ use std::time::Duration;
 use bevy_app::{App, FixedUpdate, Update};
 use bevy_ecs::prelude::*;
 use bevy_time::{Fixed, Time, TimePlugin, TimeUpdateStrategy};
+use clastic::components::increment::Coulomb;
 use clastic::components::rigid_group::RigidGroup;
 use clastic::prelude::*;
 use clastic::run::spawn::spawn_scene;
@@ -348,7 +349,7 @@ fn an_input_without_an_effect_is_refused_by_name() {
             reference: 0.0,
         });
     }
-    let cases: [(Fill, &str); 23] = [
+    let cases: [(Fill, &str); 25] = [
         (
             |app, [_, b]| {
                 app.world_mut().entity_mut(b).insert(Particle::disk(0.1, 2650.0, 0.5));
@@ -421,6 +422,17 @@ fn an_input_without_an_effect_is_refused_by_name() {
         (
             |app, _| _ = app.insert_resource(Acceptance { residual: -1.0, ..Default::default() }),
             "`Acceptance` has residual = -1.0: give a residual above 0",
+        ),
+        (
+            |app, _| {
+                let law = Some(Coulomb { factorisations: 0 });
+                app.insert_resource(FrictionLaw { in_statics: law, ..Default::default() });
+            },
+            "`FrictionLaw` has factorisations = 0: give a number of factorisations of 1 or more",
+        ),
+        (
+            |app, _| app.world_mut().resource_mut::<RuptureRules>().slack = f64::NAN,
+            "`RuptureRules` has slack = NaN: give a part from 0 to 1",
         ),
         (
             |app, [_, b]| _ = app.world_mut().entity_mut(b).insert(ContactLaw::default()),
