@@ -10,13 +10,20 @@ STEP = 1.02  # Each increment divides cohesion, tensile strength and friction by
 SLIDES = 0.1  # A motion of a grain that is a slide and no elastic deformation, m.
 
 sim = clastic.Simulation(Path(__file__).with_name("slope.ron"))
-while (row := sim.step())["stage"] == "weight":
-    rest = sim.positions
-while np.abs(sim.positions - rest).max() < SLIDES and row["status"] != "collapsed":
-    # While bonds break at constant load (fraction 0), the strength waits.
-    sim.strength /= STEP if row["fraction"] == 1.0 else 1.0
-    row = sim.step()
+for row in sim:
+    if row["stage"] == "weight":
+        rest = sim.frame()
+        continue
+    moved = np.hypot(*sim.frame().moved(rest).T)
+    if row["status"] == "collapsed" or moved.max() > SLIDES:
+        break
+    # While bonds break at constant load (fraction below 1), the strength waits.
+    if row["fraction"] == 1.0:
+        sim.strength /= STEP
+else:
+    raise SystemExit(f"It stands at a factor of {1.0 / sim.strength:.2f}: {sim.status}.")
 
 factor = 1.0 / sim.strength
 broken = row["broken_tension"] + row["broken_shear"]
 print(f"It slides at a factor of {factor:.2f}, with {broken} of {broken + row['bonds']} bonds broken.")
+clastic.figures.displacement(sim.frame(), since=rest, cracks=True).figure.savefig("slope.png")

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import inspect
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
+import pandas
 import pytest
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
 import clastic
 from clastic import figures
@@ -43,6 +46,31 @@ def test_a_figure_draws(name: str, biaxial: clastic.Run, tmp_path: Path) -> None
         assert draw(biaxial, ax=ours) is ours and plt.get_fignums()[-1] == ours.figure.number
 
 
+def fits(figure: Figure) -> bool:
+    """Whether all that a figure shows is on its page as it is saved without `bbox_inches`."""
+    figure.canvas.draw()
+    shown, (width, height) = figure.get_tightbbox(figure.canvas.get_renderer()), figure.get_size_inches()
+    return shown.x0 > -0.01 and shown.y0 > -0.01 and shown.x1 < width + 0.01 and shown.y1 < height + 0.01
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_figure_fits_its_page(name: str, biaxial: clastic.Run) -> None:
+    draw = getattr(figures, name)
+    drawn = [draw(biaxial)]
+    if "cracks" in inspect.signature(draw).parameters:
+        drawn.append(draw(biaxial, cracks=True))
+    for ax in drawn:
+        first = np.atleast_1d(ax)[0]
+        assert fits(first.figure)
+
+
+def test_a_title_has_a_place_beside_the_legend(biaxial: clastic.Run) -> None:
+    ax = figures.stress_strain(biaxial, biaxial)
+    title = ax.set_title("a title")
+    assert fits(ax.figure)
+    assert not title.get_window_extent().overlaps(ax.get_legend().get_window_extent())
+
+
 def test_curves_are_those_of_the_history(biaxial: clastic.Run) -> None:
     ax = figures.stress_strain(biaxial, biaxial)
     strain, stress = ax.lines[0].get_data()
@@ -54,6 +82,24 @@ def test_curves_are_those_of_the_history(biaxial: clastic.Run) -> None:
     lateral = biaxial.history["lateral_stress_pa"][biaxial.history["axial_stress_pa"].idxmax()]
     assert x.max() == pytest.approx(1e-3 * biaxial.results["peak_stress_pa"])
     assert x.min() == pytest.approx(1e-3 * lateral) and y.max() == pytest.approx(np.ptp(x) / 2, rel=1e-3)
+
+
+class Stronger(clastic.Run):
+    """A run with a peak 1 % higher at the confining stress that a servo finds to nine digits."""
+
+    @property
+    def results(self) -> dict[str, Any]:
+        return {**super().results, "peak_stress_pa": self.history["axial_stress_pa"].max()}
+
+    @property
+    def history(self) -> pandas.DataFrame:
+        columns = super().history
+        scale = {"axial_stress_pa": 1.01, "lateral_stress_pa": 1.0 + 1e-9}
+        return columns.assign(**{name: factor * columns[name] for name, factor in scale.items()})
+
+
+def test_runs_with_one_confining_stress_have_no_envelope(biaxial: clastic.Run) -> None:
+    assert len(figures.mohr(biaxial, Stronger(biaxial.path)).lines) == 2
 
 
 def test_a_figure_is_of_a_moment_and_of_a_simulation(biaxial: clastic.Run) -> None:

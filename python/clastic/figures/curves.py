@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..results import Run
-from .style import new_axes, prefix, style
+from .style import legend_below, new_axes, prefix, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 STRAIN = "axial strain (%)"
+#: Difference of two confining stresses over the peak that is that of the walls' control.
+SAME = 1e-3
 #: Second curve of a figure.
 SECOND = "#c82828"
 
@@ -62,13 +64,8 @@ def stress_strain(*runs: Run, ax: Axes | None = None, bonds: bool = True) -> Axe
             ax.second.tick_params(axis="y", colors=SECOND)
             ax.second.set_ylim(bottom=0)
         if len(curves) > 1:
-            _legend_above(ax, 2)
+            legend_below(ax)
     return ax
-
-
-def _legend_above(ax: Axes, columns: int) -> None:
-    """A legend that hides no curve, of any of the axes."""
-    ax.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=columns)
 
 
 def _broken(run: Run) -> np.ndarray | None:
@@ -91,7 +88,7 @@ def volumetric(*runs: Run, ax: Axes | None = None) -> Axes:
         ax.set(xlabel=STRAIN, ylabel="volumetric strain (%)")
         ax.margins(x=0.02)
         if len(runs) > 1:
-            _legend_above(ax, 2)
+            legend_below(ax)
     return ax
 
 
@@ -130,7 +127,7 @@ def force_displacement(*runs: Run, ax: Axes | None = None) -> Axes:
         for line, shape in zip(ax.lines[1:], ("--", ":", "-.")):
             line.set_linestyle(shape)
         if len(points) > 1:
-            _legend_above(ax, 2)
+            legend_below(ax)
     return ax
 
 
@@ -164,7 +161,7 @@ def energies(run: Run, ax: Axes | None = None) -> Axes:
             ax.plot(factor * x, y / size, label=name, ls=styles[k // 8])
         ax.set(xlabel=label, ylabel=f"energy ({unit})")
         ax.margins(x=0.02)
-        _legend_above(ax, 3)
+        legend_below(ax, ncols=3)
     return ax
 
 
@@ -205,13 +202,18 @@ def fabric(run: Run, ax: Axes | None = None) -> Axes:
         ax.second.set_ylabel("coordination $2N_c/N$", color=SECOND)
         ax.second.tick_params(axis="y", colors=SECOND)
         ax.second.margins(y=0.2)
-        _legend_above(ax, 2)
+        legend_below(ax)
     return ax
 
 
 def mohr(*runs: Run, ax: Axes | None = None) -> Axes:
     """Half circles between the lateral and the axial stress at the peak of every run, and the line
-    tau = c + sigma tan phi by least squares of sigma_1.
+    tau = c + sigma tan phi by least squares of sigma_1. Runs with one confining stress have no line.
+
+    Raises
+    ------
+    ValueError
+        If sigma_1 rises less than sigma_3, to which no friction angle belongs.
     """
     from .. import _engine
 
@@ -240,12 +242,8 @@ def mohr(*runs: Run, ax: Axes | None = None) -> Axes:
         low = min(0.0, *(c / size for c, _ in strengths))
         high = max(p / size for _, p in strengths)
         ax.set_xlim(low, 1.04 * high)
-        try:
+        if np.ptp([confining for confining, _ in strengths]) > SAME * max(peak for _, peak in strengths):
             cohesion, phi = _engine.mohr_coulomb(strengths)
-        except ValueError:
-            # One confining stress has no envelope.
-            pass
-        else:
             x = np.array([low, high])
             c_unit, c_size = prefix(cohesion, "Pa")
             ax.plot(
@@ -258,5 +256,5 @@ def mohr(*runs: Run, ax: Axes | None = None) -> Axes:
         ax.set(xlabel=f"normal stress ({unit})", ylabel=f"shear stress ({unit})")
         ax.set_ylim(bottom=0)
         ax.set_aspect("equal", adjustable="box")
-        _legend_above(ax, 2)
+        legend_below(ax)
     return ax

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..frame import Box, Frame
 from ..results import Run
-from .style import MODES, WIDTH, end_of, new_axes, prefix, style
+from .style import MODES, WIDTH, end_of, legend_below, new_axes, prefix, style
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -191,14 +191,9 @@ class _Sheet:
     def end(self) -> Axes:
         if self.handles:
             # A scale of colours has the place below.
-            is_above = hasattr(self.ax, "scale")
-            self.ax.legend(
-                handles=self.handles,
-                loc="lower center" if is_above else "upper center",
-                bbox_to_anchor=(0.5, 1.0 if is_above else 0.0),
-                ncols=2 if len(self.handles) in (2, 4) else 3,
-                columnspacing=1.2,
-            )
+            below = self.ax.scale.ax if hasattr(self.ax, "scale") else self.ax
+            columns = 2 if len(self.handles) in (2, 4) else 3
+            legend_below(below, handles=self.handles, ncols=columns, columnspacing=1.2)
         return self.ax
 
 

@@ -14,6 +14,9 @@ if TYPE_CHECKING:
 #: Width of a figure, inches: 84 mm, a column of many journals.
 WIDTH = 84.0 / 25.4
 
+#: Room for numbers and label below axes, inches.
+BELOW = 28.0 / 72.0
+
 #: Colours of curves, legible with any colour vision (Okabe and Ito).
 COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#999999")
 #: Colours of tension, shear and rolling.
@@ -75,8 +78,25 @@ def new_axes(aspect: float, ax: Axes | None, **settings: Any) -> Axes:
         return ax
     import matplotlib.pyplot as plt
 
-    _, ax = plt.subplots(figsize=(WIDTH, aspect * WIDTH), layout="constrained", subplot_kw=settings or None)
+    size = WIDTH, aspect * WIDTH
+    # Of the two layouts, "compressed" is the one that counts with axes to scale.
+    _, ax = plt.subplots(figsize=size, layout="compressed", subplot_kw=settings or None)
     return ax
+
+
+def legend_below(ax: Axes, **settings: Any) -> None:
+    """A legend below the numbers and the label of the axes: it hides nothing, and a title has its place.
+    It has as many columns as there is room for below the axes, and no more than ``ncols``.
+    """
+    from matplotlib.transforms import ScaledTranslation
+
+    figure = ax.figure
+    below = ScaledTranslation(0.0, -BELOW if ax.axison else 0.0, figure.dpi_scale_trans)
+    place = {"loc": "upper center", "bbox_to_anchor": (0.5, 0.0), "bbox_transform": ax.transAxes + below}
+    for columns in range(settings.pop("ncols", 2), 0, -1):
+        legend = ax.legend(**place, ncols=columns, **settings)
+        if legend.get_window_extent(figure.canvas.get_renderer()).width <= 1.1 * ax.bbox.width:
+            break
 
 
 def close(ax: Axes) -> None:
