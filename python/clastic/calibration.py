@@ -8,6 +8,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,6 +25,17 @@ if TYPE_CHECKING:
 SCALES = ("stiffness", "strength", "strain")
 #: Residual of a target that a run has not reached: a factor of e^3.
 FAILED = 3.0
+
+
+def _check_scales(name: str, scales: str | None) -> None:
+    if scales not in (None, *SCALES):
+        raise ValueError(f"{name}: scales is {scales!r}; {_meant(scales, SCALES)}")
+
+
+def _meant(word: Any, words: Sequence[str]) -> str:
+    """The word that was probably meant, or all that there are."""
+    near = get_close_matches(str(word), words, 1)
+    return f"did you mean {near[0]!r}?" if near else f"give one of {', '.join(words)}"
 
 
 @dataclass(frozen=True)
@@ -64,8 +76,7 @@ class Parameter:
         return self.ratio or self.scales is None
 
     def __post_init__(self) -> None:
-        if self.scales not in (None, *SCALES):
-            raise ValueError(f"{self.name}: scales is {self.scales!r}; give one of {SCALES} or None")
+        _check_scales(self.name, self.scales)
         if self.is_sought and not (self.low is not None and self.high is not None):
             raise ValueError(f"{self.name}: give low and high, between which it is sought")
 
@@ -83,7 +94,8 @@ class Target:
     value
         Wanted value; its sign is that of the result.
     scales
-        ``stiffness`` of a modulus, ``strength`` of a stress, None of a number without unit.
+        ``stiffness`` of a modulus, ``strength`` of a stress, ``strain`` of a strain at rupture, None of
+        another number without unit.
     weight
         Weight of the relative error.
     """
@@ -93,6 +105,9 @@ class Target:
     value: float
     scales: str | None = None
     weight: float = 1.0
+
+    def __post_init__(self) -> None:
+        _check_scales(f"target {self.result}", self.scales)
 
 
 @dataclass
@@ -151,6 +166,10 @@ class _Search:
         means = {}
         for target in self.targets:
             of_test = [run for (test, _), run in zip(work, runs) if test == target.test]
+            names = next((list(run.results) for run in of_test if run), [target.result])
+            if target.result not in names:
+                what = f"{target.result} is no key result of {target.test}"
+                raise ValueError(f"{what}; {_meant(target.result, names)}")
             found = [run.results.get(target.result) if run else None for run in of_test]
             numbers = [np.nan if value is None else float(value) for value in found]
             means[target.test, target.result] = float(np.mean(numbers))
@@ -249,7 +268,7 @@ def calibrate(
     Raises
     ------
     ValueError
-        If a target names no test, or if nothing may change.
+        If a target names no test or no key result, or if nothing may change.
     """
     import pandas
     from scipy.optimize import least_squares

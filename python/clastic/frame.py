@@ -92,7 +92,9 @@ class Frame:
 
     @property
     def axial_strain(self) -> float:
-        """Axial strain; not a number where the scene does not define one."""
+        """Axial strain; not a number where the scene does not define one, and before the first
+        increment of the reference stage, from whose start it counts.
+        """
         return float(self.arrays["axial_strain"])
 
     @property
@@ -190,8 +192,16 @@ class Frame:
         """Average stress of a rectangle, Pa, shape (2, 2): sum of f (x) l / (A h) over all contacts
         and bonds (Love, Weber), each by the part of its branch l that lies inside. Without ``box`` it
         is the box around the disks.
+
+        Raises
+        ------
+        ValueError
+            If the rectangle is empty, or lies outside of the box around the disks.
         """
-        x0, y0, x1, y1 = box or self.bounds
+        a0, b0, a1, b1 = bounds = self.bounds
+        x0, y0, x1, y1 = box or bounds
+        if not (max(x0, a0) < min(x1, a1) and max(y0, b0) < min(y1, b1)):
+            raise ValueError(f"no part of the specimen lies in {box}; give x0, y0, x1, y1 within {bounds}")
         start, branch, force = self._branches()
         with np.errstate(divide="ignore", invalid="ignore"):
             first = (np.array([x0, y0]) - start) / branch

@@ -50,8 +50,9 @@ class Simulation:
 
         sim = clastic.Simulation("biaxial_small")
         for row in sim:
-            if row["axial_strain"] and row["axial_strain"] > 0.01:
-                sim.set_wall("left", stress=50e3)
+            if (row["axial_strain"] or 0.0) > 0.01:
+                for side in ("left", "right"):
+                    sim.set_wall(side, stress=300e3)
 
     Units are SI; compression, contraction and anticlockwise rotation are positive. What the scene
     defines holds until it is changed here. A stage that begins sets gravity, strength, the walls that
@@ -141,7 +142,9 @@ class Simulation:
 
     @property
     def progress(self) -> tuple[str, float, float]:
-        """Name of the stage, its increments that are done, and all of them."""
+        """Name of the stage, its increments that are done (a fraction counts as such), and all of them.
+        A stage that ends early, as by a collapse or a stop condition, ends with all done.
+        """
         return self._engine.progress()
 
     @property
@@ -357,11 +360,17 @@ class Simulation:
 
         It is called once per trial, that is for every fraction of an increment that is tried and
         after every step of a followed motion, with ``ids``, ``positions``, ``velocities``,
-        ``rotations``, ``radii``, ``masses``, ``time``, ``increments_done`` (of the stage) and
-        ``fraction`` (of the trial) as attributes of its argument. These are at the start of the
-        trial. It returns forces, shape (n, 2), or with moments (n, 3), N and N m, at the end of the
-        trial; or a pair of such arrays, of which the second are stiffnesses k >= 0 (N/m, N m/rad):
-        then the force is ``force - k u`` at displacement u. None loads nothing.
+        ``rotations``, ``radii``, ``masses``, ``time``, ``time_end``, ``increments_done`` (of the stage)
+        and ``fraction`` (of the trial, of a whole increment) as attributes of its argument. These are
+        at the start of the trial, which ends at ``time_end`` (s), in static stages at
+        ``increments_done + fraction``.
+
+        It returns forces, shape (n, 2), or with moments (n, 3), N and N m. In a static stage they are
+        those at the end of the trial, in a dynamic one their mean over it: they change the momentum by
+        ``force * (time_end - time)``. It may return a pair of such arrays, of which the second are
+        stiffnesses k >= 0 (N/m, N m/rad): then the force is ``force - k u`` at the displacement u of
+        the trial. In a dynamic stage this is of first order in the time step and takes energy, also
+        with theta = 1/2. None loads nothing.
 
         The function must depend on its argument alone, since a trial may be repeated. It cannot use
         the simulation. An exception in it ends the step, of which nothing is committed.

@@ -31,7 +31,10 @@ impl From<LoadError> for Error {
 
 impl From<OutputError> for Error {
     fn from(error: OutputError) -> Self {
-        Self::Files(error.to_string())
+        // In Python these are arguments.
+        let message =
+            error.to_string().replace("--out", "`out`").replace("--force", "`force=True`");
+        Self::Files(message)
     }
 }
 
@@ -57,6 +60,19 @@ impl From<Failure> for Error {
 }
 
 impl Error {
+    /// A value without a meaning, in the words of Python: without the entity, of which the identity
+    /// says which it is, and without what only a plugin in Rust can do.
+    pub fn halted(message: &str) -> Self {
+        let what = message.split(", then remove `ClasticHalted`").next().unwrap_or_default();
+        let mut parts = what.split(", entity ");
+        let mut said = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let rest = part.trim_start_matches(|c: char| c.is_ascii_digit() || c == 'v');
+            said += rest.strip_prefix(',').unwrap_or(rest);
+        }
+        Self::Value(said.replace("a load of `AddTrialLoads`", "a load of the function"))
+    }
+
     /// The exception.
     pub fn raise(self, py: Python) -> PyErr {
         match self {

@@ -4,7 +4,7 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use clastic::components::contact::BodyTable;
-use clastic::components::increment::ClasticProgress;
+use clastic::components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic::components::loads::TrialLoads;
 use clastic::prelude::{AddTrialLoads, ClasticHalted};
 use numpy::{PyReadonlyArrayDyn, PyUntypedArrayMethods};
@@ -31,11 +31,12 @@ fn ask(
     function: Res<LoadFunction>,
     bodies: Res<BodyTable>,
     progress: Res<ClasticProgress>,
+    analysis: Res<ClasticAnalysis>,
     mut loads: ResMut<TrialLoads>,
     mut commands: Commands,
 ) {
     let answer = Python::attach(|py| {
-        let given = function.0.call1(py, (trial(py, &bodies, &progress)?,))?;
+        let given = function.0.call1(py, (trial(py, &bodies, &progress, analysis.kind)?,))?;
         given.bind(py).extract_loads(&bodies, &mut loads)
     });
     if let Err(error) = answer {
@@ -49,6 +50,7 @@ fn trial<'py>(
     py: Python<'py>,
     bodies: &BodyTable,
     progress: &ClasticProgress,
+    kind: AnalysisKind,
 ) -> PyResult<Bound<'py, PyAny>> {
     let n = bodies.particles;
     let pairs = |v: &[glam::DVec2]| v[..n].iter().flat_map(|x| x.to_array()).collect();
@@ -63,6 +65,11 @@ fn trial<'py>(
     trial.set_item("increments_done", progress.done)?;
     trial.set_item("fraction", progress.fraction)?;
     trial.set_item("time", progress.time)?;
+    let dt = match kind {
+        AnalysisKind::Dynamic { dt, .. } => dt,
+        _ => 0.0,
+    };
+    trial.set_item("time_end", progress.time + dt * progress.fraction)?;
     py.import("types")?.getattr("SimpleNamespace")?.call((), Some(&trial))
 }
 

@@ -126,7 +126,7 @@ impl Model {
             Step::Finished(Outcome::Halted(message)) => {
                 // After the value is mended, the run goes on.
                 world.remove_resource::<ClasticHalted>();
-                Err(Error::Value(message))
+                Err(Error::halted(&message))
             }
             Step::Finished(outcome) => {
                 self.outcome = Some(outcome);

@@ -54,7 +54,9 @@ def test_an_interrupted_run_goes_on_to_the_same_bytes(biaxial: clastic.Run, tmp_
 
 
 def test_a_directory_with_results_is_kept(biaxial: clastic.Run) -> None:
-    with pytest.raises(OSError, match="not empty|force"):
+    with pytest.raises(
+        OSError, match="not empty; choose another directory with `out`, or .* with `force=True`"
+    ):
         clastic.run("biaxial_small", out=biaxial.path)
 
 
@@ -100,6 +102,8 @@ def test_stress_and_strain_of_a_frame_are_those_of_the_walls(biaxial: clastic.Ru
     assert mean[1] == pytest.approx(stress[1, 1], rel=0.02)
     strain = end.strain(start)
     assert strain[1, 1] == pytest.approx(row["axial_strain"], rel=0.1)
+    with pytest.raises(ValueError, match="no part of the specimen lies in"):
+        end.stress((x1 + 0.1, y0, x1 + 0.2, y1))
     # Two halves have the stress of the whole.
     middle = 0.5 * (y0 + y1)
     halves = end.stress((x0, y0, x1, middle)) + end.stress((x0, middle, x1, y1))
@@ -204,6 +208,12 @@ def test_a_calibration_needs_few_runs_where_similarity_suffices(tmp_path: Path) 
     assert again.made == 0 and again.parameters == found.parameters
     with pytest.raises(ValueError, match="names no test"):
         clastic.calibrate(tests, [clastic.Target("shear", "x", 1.0)], parameters, out=tmp_path)
+    with pytest.raises(ValueError, match="did you mean 'strength'"):
+        clastic.Target("compression", "peak_stress_pa", 1.0, "strengh")
+    with pytest.raises(ValueError, match="is no key result of compression; did you mean 'peak_stress_pa'"):
+        clastic.calibrate(
+            tests, [clastic.Target("compression", "peak_stres_pa", 1.0)], parameters, out=tmp_path
+        )
     failed = clastic.calibrate(
         tests, [clastic.Target("compression", "friction_angle_rad", 0.5)], parameters, out=tmp_path
     )
