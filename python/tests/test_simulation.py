@@ -232,6 +232,13 @@ def test_a_value_without_a_meaning_is_said_and_mended(scene: Path) -> None:
         sim.step()
     assert "entity" not in str(error.value)
     sim.set_load_function(None)
+    place = sim.positions
+    for factor in (-1.0, np.nan, np.inf):
+        sim.strength = factor
+        with pytest.raises(ValueError, match="has strength = "):
+            sim.step()
+        assert (sim.positions == place).all()
+    sim.strength = 0.5
     assert sim.step()["status"] == "solved"
 
 
