@@ -70,7 +70,8 @@ impl Error {
             let rest = part.trim_start_matches(|c: char| c.is_ascii_digit() || c == 'v');
             said += rest.strip_prefix(',').unwrap_or(rest);
         }
-        Self::Value(said.replace("a load of `AddTrialLoads`", "a load of the function"))
+        let said = said.replace("a load of `AddTrialLoads`", "a load of the function");
+        Self::Value(said.replace("`ClasticAnalysis`", "the simulation"))
     }
 
     /// The exception.
