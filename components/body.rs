@@ -150,10 +150,19 @@ impl LoadControl {
 
 /// Force (x, y; N) and moment (N m) of the outside world on the body in the last committed
 /// increment: applied loads, reactions to imposed motion, and the forces that hold or move walls.
-/// Gravity is excluded.
+/// Gravity is excluded. It is a result and no input: [`LoadControl`] loads a body.
+#[non_exhaustive]
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct BodyExternalForce(pub [f64; 3]);
+
+impl BodyExternalForce {
+    /// The force of a state that was computed before.
+    #[must_use]
+    pub fn of_state(force: [f64; 3]) -> Self {
+        Self(force)
+    }
+}
 
 /// Name under which the history records the body (`NAME.x_m`, ...).
 #[derive(Component, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

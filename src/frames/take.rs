@@ -144,11 +144,11 @@ impl FrameTables<'_, '_> {
         let mut walls = FrameWalls { first_point: vec![0], ..FrameWalls::default() };
         for row in &bodies.walls {
             let body = row.body as usize;
-            let (name, force) = self.walls.get(bodies.entities[body]).unwrap_or((None, &NO_FORCE));
+            let (name, force) = self.walls.get(bodies.entities[body]).ok().unzip();
             walls.id.push(bodies.ids[body].0);
-            walls.name.push(name.map(|name| name.0.clone()).unwrap_or_default());
+            walls.name.push(name.flatten().map(|name| name.0.clone()).unwrap_or_default());
             walls.is_thin.push(!row.is_line());
-            walls.force.push(force.0);
+            walls.force.push(force.map_or([0.0; 3], |force| force.0));
             let wall = Wall { tangent: row.tangent(), half_length: row.half_length };
             let points = row.shape.outline(&wall).into_iter();
             walls.point_m.extend(points.map(|x| (bodies.positions[body] + x).to_array()));
@@ -157,8 +157,6 @@ impl FrameTables<'_, '_> {
         walls
     }
 }
-
-const NO_FORCE: BodyExternalForce = BodyExternalForce([0.0; 3]);
 
 /// Middle of the box around the centres of the particles, m: from there offsets are shortest.
 fn middle(bodies: &BodyTable) -> DVec2 {

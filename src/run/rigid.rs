@@ -156,7 +156,10 @@ fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
         Probe(name.to_owned()),
     ));
     if !control.walls.is_empty() {
-        group.insert((BodyDrives([BodyDrive::Imposed(0.0); 3]), BodyExternalForce(carried)));
+        group.insert((
+            BodyDrives([BodyDrive::Imposed(0.0); 3]),
+            BodyExternalForce::of_state(carried),
+        ));
     }
 }
 

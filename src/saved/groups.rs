@@ -136,7 +136,12 @@ pub(super) fn read(
     let motions = triples("rigid.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("rigid.external_force")?;
-    add(state, "external_force", ids, forces.into_iter().map(|f| Some(BodyExternalForce(f))))?;
+    add(
+        state,
+        "external_force",
+        ids,
+        forces.into_iter().map(|f| Some(BodyExternalForce::of_state(f))),
+    )?;
     let forces = triples("rigid.contact_force")?;
     add(state, "contact_force", ids, forces.into_iter().map(|f| Some(ContactForce(f))))?;
     let loads = triples("rigid.load_from")?.into_iter().zip(triples("rigid.load_to")?);

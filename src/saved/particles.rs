@@ -156,7 +156,12 @@ pub(super) fn read(
     let motions = triples("particles.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("particles.external_force")?;
-    add(state, "external_force", ids, forces.into_iter().map(|f| Some(BodyExternalForce(f))))?;
+    add(
+        state,
+        "external_force",
+        ids,
+        forces.into_iter().map(|f| Some(BodyExternalForce::of_state(f))),
+    )?;
     let loads = triples("particles.load_from")?.into_iter().zip(triples("particles.load_to")?);
     let loads = loads.map(|(from, to)| Some(LoadControl([0, 1, 2].map(|k| (from[k], to[k])))));
     add(state, "load_control", ids, loads)?;

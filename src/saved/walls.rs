@@ -188,7 +188,12 @@ pub(super) fn read(
     let motions = triples("walls.last_motion")?;
     add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
     let forces = triples("walls.external_force")?;
-    add(state, "external_force", ids, forces.into_iter().map(|f| Some(BodyExternalForce(f))))?;
+    add(
+        state,
+        "external_force",
+        ids,
+        forces.into_iter().map(|f| Some(BodyExternalForce::of_state(f))),
+    )?;
     let laws = tables.vectors::<6>("walls.law", n)?.into_iter().enumerate();
     let laws = laws.filter(|(k, _)| is_there(*k)).map(|(_, row)| Some(law(row)));
     add(state, "contact_law", ids, laws)?;
