@@ -6,7 +6,7 @@
 //!   the contact, over its radius, measures it.
 //! - A grain passes through others, whose contacts the program does not have. Its displacement over its
 //!   radius measures it, with the factor `WAY` if it carries load. Bodies move with what drives them:
-//!   the greatest imposed motion does not count.
+//!   the maximum imposed motion is subtracted first.
 //!
 //! The travel of a grain is the larger of the two, in radii.
 

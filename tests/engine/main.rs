@@ -47,6 +47,7 @@ mod pour;
 mod preparation;
 mod radius_expansion;
 mod recipes;
+mod refused_inputs;
 mod removal;
 mod restitution;
 mod rigid_groups;
