@@ -1,9 +1,15 @@
-//! Control of the periodic cell by stages.
+//! Control of the periodic cell by stages, and its end.
+
+use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
+use clastic_components::body::{BodyId, BodyOrigin, BodyPosition};
+use clastic_components::bond::Bond;
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::increment::ClasticProgress;
+use clastic_components::particle::Particle;
 
 use crate::scene::format as scene;
 
@@ -84,6 +90,32 @@ pub fn compact(world: &mut World, disks: f64, porosity: f64, step: f64) -> Optio
     let by = [-part * width / steps, -part * height / steps, 0.0];
     cell.controls = by.map(CellControl::Imposed);
     Some(steps)
+}
+
+/// Ends the cell: particles are put back into it, and bonds across its sides go. What crosses a side
+/// touches nothing from then on.
+pub fn open(world: &mut World) {
+    let Some(cell) = world.remove_resource::<PeriodicCell>() else { return };
+    let mut places = BTreeMap::new();
+    let mut particles =
+        world.query_filtered::<(&BodyId, &mut BodyPosition, &mut BodyOrigin), With<Particle>>();
+    for (id, mut place, mut origin) in particles.iter_mut(world) {
+        // The displacement since the start stays.
+        let by = cell.wrapped(place.0) - place.0;
+        place.0 += by;
+        origin.0 += by;
+        places.insert(*id, place.0);
+    }
+    let mut bonds = world.query::<(Entity, &Bond)>();
+    let crosses = |bond: &Bond| {
+        let apart = places.get(&bond.b).zip(places.get(&bond.a)).map(|(b, a)| *b - *a);
+        apart.is_some_and(|apart| cell.shift(apart) != DVec2::ZERO)
+    };
+    let across: Vec<_> =
+        bonds.iter(world).filter(|(_, bond)| crosses(bond)).map(|(entity, _)| entity).collect();
+    for bond in across {
+        world.despawn(bond);
+    }
 }
 
 /// The cell stands still, without stress.

@@ -8,6 +8,7 @@ use clastic_components::bond::BondState;
 use clastic_components::particle::Particle;
 
 use super::select::selected;
+use super::touching::placed;
 use super::wall_pieces::{CUT, is_cut};
 use super::walls::WallCatalogue;
 use crate::scene::format as scene;
@@ -83,6 +84,19 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     Some(format!(
         "stage `{}` cannot begin: wall `{}` of add_walls would cut through particle {particle}, whose \
          centre is within {CUT:?} radii of it; add it where there is room",
+        stage.name, wall.name
+    ))
+}
+
+/// A wall that is to touch the outermost particle and meets none on its way.
+pub fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let catalogue = world.get_resource::<WallCatalogue>()?;
+    let comes = |wall: &&scene::Wall| wall.touching && stage.add_walls.contains(&wall.name);
+    let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
+    let wall = walls.into_iter().find(|wall| placed(world, wall).is_none())?;
+    Some(format!(
+        "stage `{}` cannot begin: wall `{}` of add_walls is to touch the outermost particle, and meets \
+         none on its way along its inward normal; draw it where particles are in its way",
         stage.name, wall.name
     ))
 }

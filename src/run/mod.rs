@@ -51,6 +51,7 @@ pub mod stages;
 mod start;
 pub mod state;
 mod stop;
+mod touching;
 mod until;
 mod wall_controls;
 pub(crate) mod wall_pieces;

@@ -1,19 +1,24 @@
 //! `Remove` stages: particles that are taken away, for excavations and for specimens that are cut
-//! out of a packing.
+//! out of a packing, also out of a periodic cell, which then ends.
 
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
 use clastic_components::body::BodyId;
+use clastic_components::cell::PeriodicCell;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 
 use super::load_refusals::why_empty;
-use super::select::selected;
+use super::select::{selected, selected_at};
 use crate::scene::format::Remove;
 
 /// Takes the selected particles away. Their bonds and the memory of their contacts go with them, by
 /// the hooks of [`BodyId`]. Bonds that broke before stay in the record.
 pub fn remove(world: &mut World, stage: &Remove) {
+    if stage.open_cell {
+        super::cell::open(world);
+    }
     for (_, entity) in selected(world, &stage.select) {
         world.despawn(entity);
     }
@@ -22,7 +27,10 @@ pub fn remove(world: &mut World, stage: &Remove) {
 /// Why the particles cannot be taken away; `None` if they can.
 pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
     let because = |what: String| Some(format!("stage `{}` cannot begin: {what}", stage.name));
-    let ids: Vec<BodyId> = selected(world, &stage.select).into_iter().map(|(id, _)| id).collect();
+    let cell = world.get_resource::<PeriodicCell>().filter(|_| stage.open_cell).copied();
+    let place = |place: DVec2| cell.map_or(place, |cell| cell.wrapped(place));
+    let ids: Vec<BodyId> =
+        selected_at(world, &stage.select, place).into_iter().map(|(id, _)| id).collect();
     if ids.is_empty() {
         let (what, remedy) = why_empty(&stage.select);
         return because(format!("select selects no particle: {what}; {remedy}"));

@@ -69,6 +69,15 @@ fn is_inside(corners: &[(f64, f64)], x: DVec2) -> bool {
 /// The particles of a world that a selection has, by entity.
 #[must_use]
 pub fn selected(world: &mut World, select: &Select) -> Vec<(BodyId, Entity)> {
+    selected_at(world, select, |place| place)
+}
+
+/// The same if every particle were at another place.
+pub(super) fn selected_at(
+    world: &mut World,
+    select: &Select,
+    place: impl Fn(DVec2) -> DVec2,
+) -> Vec<(BodyId, Entity)> {
     let mut particles = world.query_filtered::<(
         Entity,
         &BodyId,
@@ -84,7 +93,7 @@ pub fn selected(world: &mut World, select: &Select) -> Vec<(BodyId, Entity)> {
     let rows = particles.iter(world).filter(|(_, id, x, material, group, probe)| {
         let of = Candidate {
             index: id.0,
-            place: x.0,
+            place: place(x.0),
             material: materials
                 .and_then(|all| all.0.get(material.0 as usize))
                 .map(|material| material.name.as_str()),

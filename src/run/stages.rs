@@ -91,6 +91,7 @@ fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
     load_refusals::selects_nothing(world, load)
         .or_else(|| load_refusals::cuts_through(world, load))
         .or_else(|| load_refusals::leaves_behind(world, load))
+        .or_else(|| load_refusals::meets_nothing(world, load))
         .or_else(|| load_refusals::bonds_with_accuracy(world, load))
         .or_else(|| kept_stress::refusal(world, load))
         .or_else(|| rigid::refusal(world, load))

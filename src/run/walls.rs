@@ -7,6 +7,7 @@ use clastic_components::wall::WallName;
 use clastic_components::wall_shape::WallShape;
 
 use super::laws::contact_law;
+use super::touching::placed;
 use super::wall_pieces::{count, pieces};
 use crate::scene::StoredMembrane;
 use crate::scene::format as scene;
@@ -45,12 +46,18 @@ impl WallCatalogue {
     }
 }
 
-/// Spawns a wall of the catalogue by name: all its pieces.
+/// Spawns a wall of the catalogue by name: all its pieces. One that comes at the outermost particles
+/// and meets none is where it is drawn.
 pub fn spawn_wall(world: &mut World, name: &str) {
     let catalogue = world.resource::<WallCatalogue>();
     let Some(index) = catalogue.walls.iter().position(|w| w.name == name) else { return };
     let first = catalogue.first_of(index);
-    let wall = catalogue.walls[index].clone();
+    let mut wall = catalogue.walls[index].clone();
+    if wall.touching
+        && let Some(placed) = placed(world, &wall)
+    {
+        wall = placed;
+    }
     for (piece, id) in pieces(&wall).into_iter().zip(first..) {
         let mut entity = world.spawn((
             BodyId(id),

@@ -117,6 +117,8 @@ pub(super) fn write(
     tables.put("walls.law", Array::vectors(laws.iter().map(law)));
     let shape = |k: usize| of_row.get(k).filter(|w| !w.shape.is_line()).map(|w| as_ron(&w.shape));
     tables.put("walls.shape", text(&shape));
+    let touching = |k: usize| of_row.get(k).is_some_and(|wall| wall.touching);
+    tables.put("walls.touching", Array::bool(all().map(touching).collect()));
     let contact = |k: usize| of_row.get(k).map_or([0.0; 6], |w| contact_row(&w.contact));
     tables.put("walls.contact", Array::vectors(all().map(contact)));
     let bond = |k: usize| of_row.get(k).and_then(|wall| wall.bond);
@@ -233,6 +235,7 @@ fn read_listed(
     let contacts = tables.vectors::<6>("walls.contact", n)?;
     let bonds = tables.vectors::<7>("walls.bond", n)?;
     let shapes = tables.text("walls.shape", &[n])?;
+    let touching = tables.bool("walls.touching", &[n])?;
     let mut of_scene = Vec::new();
     let mut k = 0;
     while k < listed {
@@ -246,6 +249,7 @@ fn read_listed(
             contact: contact(contacts[k]),
             bond: bond(bonds[k]),
             present: present[k],
+            touching: touching[k],
             probe: some(&probes[k]),
         };
         k += count(&wall) as usize;

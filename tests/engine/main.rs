@@ -18,6 +18,7 @@ mod column_collapse;
 mod coming_and_going;
 mod conservation;
 mod curved_walls;
+mod cut_from_cell;
 mod detection;
 mod elastic_rolling;
 mod embedding;

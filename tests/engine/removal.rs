@@ -180,7 +180,11 @@ fn particles_take_the_energy_of_their_contacts_out_of_a_packing() {
         let Some(Stage::Load(confine)) = scene.stages.last().cloned() else { panic!("a load") };
         let increments = confine.increments;
         let hole = Select::Circle { centre: (0.05, 0.035), radius: 0.014 };
-        scene.stages.push(Stage::Remove(Remove { name: "hole".into(), select: hole }));
+        scene.stages.push(Stage::Remove(Remove {
+            name: "hole".into(),
+            select: hole,
+            open_cell: false,
+        }));
         let hold =
             Load { name: "hold".into(), increments: 1, walls: Default::default(), ..confine };
         scene.stages.push(Stage::Load(hold));

@@ -223,6 +223,7 @@ fn walls(r: &mut Random, low: (f64, f64), high: (f64, f64)) -> Vec<Wall> {
             contact: law,
             bond: None,
             present: true,
+            touching: false,
             probe: None,
         })
         .collect()

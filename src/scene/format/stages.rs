@@ -165,4 +165,8 @@ pub struct Remove {
     pub name: String,
     /// Particles that are taken away, with their contacts and bonds.
     pub select: Select,
+    /// Whether the periodic cell ends: particles are put back into the cell before the selection,
+    /// and contacts and bonds across its sides go.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub open_cell: bool,
 }

@@ -27,6 +27,10 @@ pub struct Wall {
     /// Whether the wall exists from the start. A stage can add it.
     #[serde(default = "super::yes")]
     pub present: bool,
+    /// Whether the wall comes at the outermost particles: moved along its inward normal from the
+    /// outside until it touches the first one. Such a wall is one that a stage adds.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub touching: bool,
     /// Name under which the history records the wall.
     #[serde(default)]
     pub probe: Option<String>,

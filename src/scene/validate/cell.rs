@@ -32,8 +32,12 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     let help = "leave it out: a periodic cell has no";
     let of_state = context.specimen.and_then(|stored| stored.state.as_ref());
-    if !scene.walls.is_empty() && !of_state.is_some_and(|state| state.gives_walls) {
-        findings.add(format_args!("walls"), "walls in a periodic cell", &format!("{help} walls"));
+    if let Some(i) = scene.walls.iter().position(|wall| wall.present)
+        && !of_state.is_some_and(|state| state.gives_walls)
+    {
+        let help = "leave it out, or write `present: false` and add it once a `Remove` stage has ended the \
+                    cell (`open_cell: true`)";
+        findings.add(format_args!("walls[{i}]"), "a wall in a periodic cell", help);
     }
     if scene.gravity != (0.0, 0.0) {
         let help = format!("{help} bottom that would carry a weight");
@@ -48,7 +52,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         }
     }
     let is_dynamic = |load: &Load| load.analysis.unwrap_or(scene.analysis) != Analysis::Static;
-    if scene.output.energy && scene.stages.iter().filter_map(Stage::load).any(is_dynamic) {
+    let mut in_cell = scene.stages.iter().take_while(|stage| !opens(stage)).filter_map(Stage::load);
+    if scene.output.energy && in_cell.any(is_dynamic) {
         let help = "leave it out, or make all loading stages static; the measures `KineticEnergy` and \
                     `ElasticEnergy` are defined in both";
         let what = "an energy ledger of a periodic cell with dynamic stages";
@@ -66,18 +71,23 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         };
         findings.add(format_args!("cell"), what, help);
     }
+    let mut is_open = false;
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
-        match stage {
-            Stage::Compact(stage) => compact(path, stage, findings),
-            Stage::Load(stage) => load(path, stage, findings),
-            Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_) => {}
-            Stage::Pour(_) | Stage::Custom(_) => {
-                let help = "use `Load`, `Compact`, `Cement`, `Remove` and `Save`";
-                findings.add(path, "this stage does not support a periodic cell", help);
-            }
+        if is_open {
+            let help =
+                "leave it out, or end the cell later: an earlier stage has `open_cell: true`";
+            outside(path, stage, help, findings);
+        } else {
+            inside(path, stage, findings);
         }
+        is_open |= opens(stage);
     }
+}
+
+/// Whether a stage ends the cell.
+fn opens(stage: &Stage) -> bool {
+    matches!(stage, Stage::Remove(stage) if stage.open_cell)
 }
 
 fn without(scene: &Scene, findings: &mut Findings) {
@@ -85,23 +95,43 @@ fn without(scene: &Scene, findings: &mut Findings) {
         return;
     }
     for (i, stage) in scene.stages.iter().enumerate() {
-        let path = format_args!("stages[{i}]");
-        match stage {
-            Stage::Load(stage) if stage.cell.is_some() => {
-                let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
-                findings.add(format_args!("{path}.cell"), "no periodic cell", help);
-            }
-            Stage::Compact(stage) => {
-                for (field, wall) in [("wall", &stage.wall), ("base", &stage.base)] {
-                    if wall.is_empty() && findings.is_sure_of_part(format_args!("{path}.{field}")) {
-                        let message = format!("missing field `{field}`");
-                        let help = format!("add `{field}: ...`");
-                        findings.add(format_args!("{path}.{field}"), message, &help);
-                    }
+        let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
+        outside(format_args!("stages[{i}]"), stage, help, findings);
+    }
+}
+
+/// Checks a stage in the cell.
+fn inside(path: Arguments, stage: &Stage, findings: &mut Findings) {
+    match stage {
+        Stage::Compact(stage) => compact(path, stage, findings),
+        Stage::Load(stage) => load(path, stage, findings),
+        Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_) => {}
+        Stage::Pour(_) | Stage::Custom(_) => {
+            let help = "use `Load`, `Compact`, `Cement`, `Remove` and `Save`";
+            findings.add(path, "this stage does not support a periodic cell", help);
+        }
+    }
+}
+
+/// Checks a stage without a cell. `help` says how to have one.
+fn outside(path: Arguments, stage: &Stage, help: &str, findings: &mut Findings) {
+    match stage {
+        Stage::Load(stage) if stage.cell.is_some() => {
+            findings.add(format_args!("{path}.cell"), "no periodic cell", help);
+        }
+        Stage::Remove(stage) if stage.open_cell => {
+            findings.add(format_args!("{path}.open_cell"), "no periodic cell", help);
+        }
+        Stage::Compact(stage) => {
+            for (field, wall) in [("wall", &stage.wall), ("base", &stage.base)] {
+                if wall.is_empty() && findings.is_sure_of_part(format_args!("{path}.{field}")) {
+                    let message = format!("missing field `{field}`");
+                    let help = format!("add `{field}: ...`");
+                    findings.add(format_args!("{path}.{field}"), message, &help);
                 }
             }
-            _ => {}
         }
+        _ => {}
     }
 }
 
@@ -126,6 +156,10 @@ fn load(path: Arguments, stage: &Load, findings: &mut Findings) {
     if stage.gravity.is_some_and(|gravity| gravity != (0.0, 0.0)) {
         let help = "leave it out: a periodic cell has no bottom that would carry a weight";
         findings.add(format_args!("{path}.gravity"), "gravity in a periodic cell", help);
+    }
+    if !stage.add_walls.is_empty() {
+        let help = "add it once a `Remove` stage has ended the cell (`open_cell: true`)";
+        findings.add(format_args!("{path}.add_walls[0]"), "a wall in a periodic cell", help);
     }
     if !stage.particles.is_empty() {
         let help = "leave them out: nothing would carry their reactions";

@@ -22,6 +22,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         if start && end {
             thin_walls::shape(i, wall, findings);
         }
+        touching(context, i, wall, findings);
         contact(format_args!("walls[{i}].contact"), wall.contact, findings);
         bond_of_wall(format_args!("walls[{i}].bond"), wall.bond, findings);
     }
@@ -58,6 +59,24 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let bodies = of_particles.chain(named).chain(of_walls);
     findings.unique("name of a probe", bodies.chain(made));
     probes(context, particles, findings);
+}
+
+/// Checks a wall that comes at the outermost particles: a stage adds it, and it has an inside.
+fn touching(context: &Context, i: usize, wall: &Wall, findings: &mut Findings) {
+    let of_state = context.specimen.and_then(|stored| stored.state.as_ref());
+    if !wall.touching || of_state.is_some_and(|state| state.gives_walls) {
+        return;
+    }
+    if wall.present {
+        let help = "add `present: false`, and let a stage add it (`add_walls`)";
+        let what = "a wall that comes at the outermost particles is there from the start";
+        findings.add(format_args!("walls[{i}].touching"), what, help);
+    }
+    if wall.start == wall.end {
+        let help =
+            "give an end that is not the start: it comes along the normal of the line between them";
+        findings.add(format_args!("walls[{i}].touching"), "a closed wall has no direction", help);
+    }
 }
 
 /// Checks the particles that `probes` names: each has one name.
