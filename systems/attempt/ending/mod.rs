@@ -97,7 +97,7 @@ pub fn judge(
     let last = LAST_FORCE * force_scale(program, &program.last_forces);
     let unit = force_scale(program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
-    if !tables.is_guided() || state.capped {
+    if !tables.is_guided() || state.capped || tables.is_at_rest() {
         return;
     }
     let motion = Motion::of(program, solution, &counts, bodies.mean_radius);
@@ -144,7 +144,7 @@ pub fn judge(
 impl Tables<'_> {
     /// The increment with the place of its geometry, if its end is judged.
     fn increment(&self, far: Option<(usize, f64)>) -> Option<Increment<'_>> {
-        let Self { bodies, contacts, program, solution, analysis, .. } = self;
+        let Self { bodies, contacts, program, analysis, .. } = self;
         let place = match analysis.kind {
             AnalysisKind::Static => {
                 if far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
@@ -153,10 +153,8 @@ impl Tables<'_> {
                 1.0
             }
             AnalysisKind::Dynamic { theta, .. } => {
-                let motion = largest(&solution.displacements, bodies.mean_radius);
-                let at_rest = motion <= NO_MOTION * bodies.mean_radius;
                 // Impacts with restitution have normals and offsets of their own.
-                if at_rest || analysis.path_theta.is_some() {
+                if self.is_at_rest() || analysis.path_theta.is_some() {
                     return None;
                 }
                 1.0 - theta
@@ -181,6 +179,12 @@ impl Tables<'_> {
                 carries || c.limits.has_strength() && (!self.is_static() || is_free(c))
             })
             .collect()
+    }
+
+    /// Whether the increment ends where it began, in the geometry in which it was solved.
+    fn is_at_rest(&self) -> bool {
+        let radius = self.bodies.mean_radius;
+        largest(&self.solution.displacements, radius) <= NO_MOTION * radius
     }
 
     fn is_static(&self) -> bool {
