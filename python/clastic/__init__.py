@@ -15,7 +15,16 @@ Units are SI; compression, contraction and anticlockwise rotation are positive.
 
 from . import figures
 from ._engine import __version__
-from .calibration import Calibration, Parameter, Target, calibrate
+from .calibration import (
+    Calibration,
+    Curve,
+    Parameter,
+    Target,
+    calibrate,
+    cohesion,
+    friction_angle,
+    hoek_brown_m,
+)
 from .errors import RunError, RunWarning, SceneError
 from .frame import STATES, Fabric, Frame
 from .results import Run, open
@@ -26,6 +35,7 @@ from .studies import Envelope, Study, envelope, sweep
 __all__ = [
     "STATES",
     "Calibration",
+    "Curve",
     "Envelope",
     "Fabric",
     "Frame",
@@ -41,8 +51,11 @@ __all__ = [
     "__version__",
     "calibrate",
     "check",
+    "cohesion",
     "envelope",
     "figures",
+    "friction_angle",
+    "hoek_brown_m",
     "open",
     "resume",
     "run",
