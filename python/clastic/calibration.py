@@ -6,7 +6,7 @@ keep their number small:
 
 - A ratio is fitted with those tests alone that it acts on, tests of few ratios first: k_t/k_n with an elastic test.
 - Gauss-Newton steps need differences once. Afterwards every run improves the derivatives (Broyden's update).
-- The first seed alone is searched. All seeds verify what it gives, and the next search takes their distance into account.
+- The first seed alone is searched, with the distance of all seeds from it at the start of a fit. All seeds verify the end.
 - A run lies in a folder that is named by the hash of its scene, and is never made twice.
 """
 
@@ -38,8 +38,8 @@ SCALES = ("stiffness", "strength", "strain")
 #: Searches, each with a verification by all seeds.
 SEARCHES = 4
 #: Parts of the range between the limits of a parameter: the step of the first differences, the maximum step, and the
-#: smallest one. Results have steps where another bond breaks first, so that smaller differences measure these alone.
-DIFFERENCE, MAXIMUM, MINIMUM = 0.15, 0.5, 0.005
+#: smallest one. Results jump where another bond breaks first: differences over shorter steps would measure these jumps.
+DIFFERENCE, MAXIMUM, MINIMUM = 0.15, 0.25, 0.005
 #: Strains at which a curve is compared.
 POINTS = 50
 
@@ -438,8 +438,17 @@ class _Search:
         measured = self.results(parts, chosen, self.seeds[:1])
         return np.concatenate(self.errors(measured, chosen, self.similar(measured, chosen)))
 
+    def compare(self, parts: np.ndarray, chosen: Sequence[int]) -> None:
+        """Finds by what the errors of all seeds differ from those of the first."""
+        measured = self.results(parts, chosen, self.seeds)
+        for i, seeds in zip(chosen, measured):
+            every, first = (self.targets[i].errors(some, np.zeros(2)) for some in (seeds, seeds[:1]))
+            self.offsets[i] = np.nan_to_num(every - first)
+
     def groups(self) -> list[tuple[list[int], list[int]]]:
-        """Sought parameters with the targets that they are fitted to, in the order of the fits."""
+        """Sought parameters with the targets that they are fitted to, in the order of the fits. The last group
+        has all targets.
+        """
         acts = [
             {i for i, p in enumerate(self.sought) if any(p.paths_of(test) for test in t.tests)}
             for t in self.targets
@@ -452,7 +461,7 @@ class _Search:
             equations = sum(POINTS if isinstance(self.targets[k], Curve) else 1 for k in chosen)
             equations -= len({self.targets[k].scales for k in chosen} - {None})
             last = size == max(len(some) for some in acts)
-            if free and (last or equations >= len(done | free)):
+            if last or (free and equations >= len(done | free)):
                 groups.append((sorted(free), chosen))
                 done |= free
         return groups
@@ -465,7 +474,7 @@ class _Search:
 
         error = self.trial(parts, chosen)
         box = MAXIMUM
-        while np.abs(error).max() > goal and box > MINIMUM and self.made < most:
+        while free and np.abs(error).max() > goal and box > MINIMUM and self.made < most:
             if slopes is None:
                 slopes = np.column_stack([self.slope(parts, i, chosen, error) for i in free])
             here = parts[free]
@@ -477,7 +486,9 @@ class _Search:
             there[free] = np.clip(here + step, 0.0, 1.0)
             next_error = self.trial(there, chosen)
             if np.isfinite(next_error).all():
-                slopes = slopes + np.outer(next_error - error - slopes @ step, step) / (step @ step)
+                # Short steps have less weight, as they measure jumps.
+                weight = step @ step + DIFFERENCE**2
+                slopes = slopes + np.outer(next_error - error - slopes @ step, step) / weight
             if np.linalg.norm(next_error) < np.linalg.norm(error):
                 parts, error = there, next_error
             else:
@@ -579,14 +590,14 @@ def calibrate(
     for _ in range(SEARCHES):
         before = len(search.rows)
         for k, (free, chosen) in enumerate(groups):
+            search.compare(parts, chosen)
             goal = 0.5 * allowed[chosen].min()
             parts, slopes[k] = search.fit(parts, free, chosen, slopes[k], goal, max_runs)
         # All tests of the first seed, most of which are there, give the factors.
         measured = search.results(parts, every, search.seeds[:1])
         search.factors = search.factors + search.similar(measured, every)
         measured = search.results(parts, every, search.seeds)
-        search.offsets = [0.0] * len(targets)
-        errors = search.errors(measured, every, np.zeros(2))
+        errors = [t.errors(seeds, np.zeros(2)) for t, seeds in zip(targets, measured)]
         worst = float(np.max([np.linalg.norm(e) / a for e, a in zip(errors, allowed)]))
         if not best[2] or worst < best[0]:
             best = (worst, search.values(parts), measured)
@@ -601,8 +612,6 @@ def calibrate(
             break
         if len(search.rows) == before:
             break
-        first = search.errors([seeds[:1] for seeds in measured], every, np.zeros(2))
-        search.offsets = [np.nan_to_num(e - f) for e, f in zip(errors, first)]
     worst, values, measured = best
     table = pandas.DataFrame(
         {"test": ", ".join(t.tests), "result": t.name, "target": t.value, **t.row(seeds)}
