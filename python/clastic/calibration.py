@@ -27,6 +27,7 @@ import numpy as np
 
 from . import _engine
 from ._scene import Scene, Settings
+from .errors import RunWarning
 from .results import Run
 from .run import check, run
 
@@ -37,9 +38,10 @@ if TYPE_CHECKING:
 SCALES = ("stiffness", "strength", "strain")
 #: Searches, each with a verification by all seeds.
 SEARCHES = 4
-#: Parts of the range between the limits of a parameter: the step of the first differences, the maximum step, and the
-#: smallest one. Results jump where another bond breaks first: differences over shorter steps would measure these jumps.
-DIFFERENCE, MAXIMUM, MINIMUM = 0.15, 0.25, 0.005
+#: Steps as parts of the range between the limits of a parameter: of the first differences, the longest, and the
+#: shortest. Results jump where another bond breaks first, so that the derivatives of a step have half their weight
+#: where it is as long as JUMPS, and less where it is shorter.
+DIFFERENCE, MAXIMUM, MINIMUM, JUMPS = 0.15, 0.25, 0.005, 0.04
 #: Strains at which a curve is compared.
 POINTS = 50
 
@@ -185,9 +187,9 @@ class Target:
 class Curve:
     """A whole curve of an experiment that a test is to follow.
 
-    The residuals are the differences of the stress at 50 strains, evenly from zero to the last of the
-    experiment, over its largest stress; beyond its end a run keeps its last stress. The error of the curve
-    is their root mean square.
+    The residuals are the differences of the stress in the middle of 50 equal steps of strain up to the last
+    of the experiment, over its largest stress; beyond its end a run keeps its last stress. The error of the
+    curve is their root mean square.
 
     Parameters
     ----------
@@ -220,7 +222,8 @@ class Curve:
             raise ValueError(f"curve of {self.test}: give two or more pairs of a strain and a stress")
         object.__setattr__(self, "points", points)
 
-    scales = None
+    #: Its strains and stresses have both factors.
+    scales = "curve"
     value = 0.0
 
     @property
@@ -242,7 +245,7 @@ class Curve:
         """Weighted differences of the mean curve over the seeds, after scaling, over the peak."""
         if not all(np.ndim(curve) == 2 and len(curve) > 1 for curve in measured):
             return np.full(POINTS, np.nan)
-        strains = np.linspace(0.0, self.points[-1, 0], POINTS)
+        strains = (np.arange(POINTS) + 0.5) / POINTS * self.points[-1, 0]
         stresses = [
             np.interp(*_rising(strains, curve[:, 0] * _scale("strain", factors)), curve[:, 1])
             for curve in measured
@@ -349,7 +352,9 @@ class _Search:
         values = self.values(parts)
         tests = [name for name in self.tests if any(name in self.targets[i].tests for i in chosen)]
         work = [(test, seed) for test in tests for seed in seeds]
-        with ThreadPoolExecutor(self.jobs or os.cpu_count()) as pool:
+        with ThreadPoolExecutor(self.jobs or os.cpu_count()) as pool, warnings.catch_warnings():
+            # Doubts are in the column `marks`.
+            warnings.simplefilter("ignore", RunWarning)
             specimens = dict(zip(seeds, pool.map(self.specimen, seeds)))
             runs = dict(zip(work, pool.map(lambda w: self.test(*w, values, specimens[w[1]]), work)))
         measured = []
@@ -388,15 +393,14 @@ class _Search:
             return self.found[folder]
         ended = ("completed", "collapsed", "undecided", "refused")
         there = (folder / "run.json").exists() and Run(folder).status in ended
-        with warnings.catch_warnings():
-            # Doubts are in the column `marks`.
-            warnings.simplefilter("ignore")
-            done = (
-                Run(folder) if there else run(scene, settings, folder, force=True, threads=1, progress=False)
-            )
+        done = Run(folder) if there else run(scene, settings, folder, force=True, threads=1, progress=False)
         row |= {"directory": str(folder), "cached": there, "status": done.status}
         row |= {"marks": "; ".join(done.marks)}
-        row |= {t.name: done.results[t.name] for t in self.targets if row["test"] in t.tests and t.name in done.results}
+        row |= {
+            t.name: done.results[t.name]
+            for t in self.targets
+            if row["test"] in t.tests and t.name in done.results
+        }
         self.rows[folder] = row
         self.found[folder] = done if done.status in ("completed", "collapsed") else None
         return self.found[folder]
@@ -412,7 +416,7 @@ class _Search:
 
         kinds = [
             any(p.scales == kind for p in self.parameters)
-            and any(self.targets[i].scales in (kind, "strain") or isinstance(self.targets[i], Curve) for i in chosen)
+            and any(self.targets[i].scales in (kind, "strain", "curve") for i in chosen)
             for kind in ("stiffness", "strength")
         ]
         start = np.zeros(2)
@@ -457,7 +461,7 @@ class _Search:
         for size in sorted({len(some) for some in acts}):
             chosen = [k for k, some in enumerate(acts) if len(some) <= size]
             free = set().union(*(acts[k] for k in chosen)) - done
-            # Similarity takes one equation for each kind of target.
+            # Similarity takes one equation for each kind of scale.
             equations = sum(POINTS if isinstance(self.targets[k], Curve) else 1 for k in chosen)
             equations -= len({self.targets[k].scales for k in chosen} - {None})
             last = size == max(len(some) for some in acts)
@@ -467,14 +471,20 @@ class _Search:
         return groups
 
     def fit(
-        self, parts: np.ndarray, free: list[int], chosen: list[int], slopes: np.ndarray | None, goal: float, most: int
+        self,
+        parts: np.ndarray,
+        free: list[int],
+        chosen: list[int],
+        slopes: np.ndarray | None,
+        goal: float,
+        most: int,
     ) -> tuple[np.ndarray, np.ndarray | None]:
         """Gauss-Newton steps of the free parameters within a box, which shrinks where a step fails."""
         from scipy.optimize import lsq_linear
 
         error = self.trial(parts, chosen)
         box = MAXIMUM
-        while free and np.abs(error).max() > goal and box > MINIMUM and self.made < most:
+        while free and np.linalg.norm(error) > goal and box > MINIMUM and self.made < most:
             if slopes is None:
                 slopes = np.column_stack([self.slope(parts, i, chosen, error) for i in free])
             here = parts[free]
@@ -486,9 +496,8 @@ class _Search:
             there[free] = np.clip(here + step, 0.0, 1.0)
             next_error = self.trial(there, chosen)
             if np.isfinite(next_error).all():
-                # Short steps have less weight, as they measure jumps.
-                weight = step @ step + DIFFERENCE**2
-                slopes = slopes + np.outer(next_error - error - slopes @ step, step) / weight
+                surprise = np.outer(next_error - error - slopes @ step, step)
+                slopes = slopes + surprise / (step @ step + JUMPS**2)
             if np.linalg.norm(next_error) < np.linalg.norm(error):
                 parts, error = there, next_error
             else:
@@ -503,9 +512,10 @@ class _Search:
         for step in (inward, -inward):
             there = parts.copy()
             there[i] = np.clip(parts[i] + step, 0.0, 1.0)
-            slope = (self.trial(there, chosen) - error) / (there[i] - parts[i]) if there[i] != parts[i] else np.nan
-            if np.isfinite(slope).all():
-                return slope
+            if there[i] != parts[i]:
+                slope = (self.trial(there, chosen) - error) / (there[i] - parts[i])
+                if np.isfinite(slope).all():
+                    return slope
         return np.zeros_like(error)
 
 
@@ -591,7 +601,8 @@ def calibrate(
         before = len(search.rows)
         for k, (free, chosen) in enumerate(groups):
             search.compare(parts, chosen)
-            goal = 0.5 * allowed[chosen].min()
+            # Two targets that pull in opposite directions then have half the tolerance each.
+            goal = np.sqrt(0.5) * allowed[chosen].min()
             parts, slopes[k] = search.fit(parts, free, chosen, slopes[k], goal, max_runs)
         # All tests of the first seed, most of which are there, give the factors.
         measured = search.results(parts, every, search.seeds[:1])
@@ -605,7 +616,8 @@ def calibrate(
             message = "all targets are within the tolerance"
             break
         if missing := [t for t, e in zip(targets, errors) if not np.isfinite(e).all()]:
-            message = f"{missing[0].name} of {', '.join(missing[0].tests)} is not defined, or has the wrong sign"
+            target = missing[0]
+            message = f"{target.name} of {', '.join(target.tests)} is not defined, or has the wrong sign"
             break
         if search.made >= max_runs:
             message = f"{max_runs} runs were made"
@@ -613,6 +625,9 @@ def calibrate(
         if len(search.rows) == before:
             break
     worst, values, measured = best
+    ends = [p.name for p in search.sought if not MINIMUM < p.part(values[p.name]) < 1.0 - MINIMUM]
+    if worst > 1.0 and ends:
+        message += f"; at a limit: {', '.join(ends)}"
     table = pandas.DataFrame(
         {"test": ", ".join(t.tests), "result": t.name, "target": t.value, **t.row(seeds)}
         for t, seeds in zip(targets, measured)
