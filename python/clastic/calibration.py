@@ -13,7 +13,6 @@ keep their number small:
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 import warnings
 from collections.abc import Callable, Mapping, Sequence
@@ -26,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from . import _engine
-from ._scene import Scene, Settings
+from ._scene import Scene, Settings, _nested
 from .errors import RunWarning
 from .results import Run
 from .run import check, run
@@ -171,6 +170,17 @@ class Target:
             raise ValueError(f"{what}; {_meant(self.result, list(results))}")
         return np.nan if results[self.result] is None else float(results[self.result])
 
+    def doubt(self, runs: Sequence[Run | None]) -> str:
+        """Why it has no error for the runs of a seed."""
+        if failed := [test for test, run in zip(self.tests, runs) if run is None]:
+            return f"{failed[0]} failed"
+        if callable(self.result):
+            try:
+                self.result(*runs)
+            except ValueError as error:
+                return str(error)
+        return runs[0].reasons.get(self.name, "its sign is not that of the target")
+
     def errors(self, measured: Sequence[float], factors: np.ndarray) -> np.ndarray:
         """Weighted logarithm of the mean over the seeds, after scaling, over the value."""
         ratio = np.mean(measured) * _scale(self.scales, factors) / self.value
@@ -235,6 +245,10 @@ class Curve:
         """Strains and stresses of a run, from its initial state on."""
         return runs[0].curve("axial_stress_pa")
 
+    def doubt(self, runs: Sequence[Run | None]) -> str:
+        """Why it has no error for the run of a seed."""
+        return "the run has no axial strains and stresses" if runs[0] else f"{self.test} failed"
+
     def start(self, measured: Sequence[np.ndarray]) -> np.ndarray:
         """Factors that bring the peak of the first seed to that of the experiment."""
         wanted, found = (c[np.abs(c[:, 1]).argmax()] for c in (self.points, measured[0]))
@@ -266,26 +280,41 @@ def _rising(strains: np.ndarray, of_curve: np.ndarray) -> tuple[np.ndarray, np.n
     return sign * strains, np.maximum.accumulate(sign * of_curve)
 
 
+def _peaks(runs: Sequence[Run]) -> list[tuple[float, float]]:
+    """Lateral and axial stresses (Pa) at the peaks."""
+    peaks = [run.peak_stresses() for run in runs]
+    if np.ptp([sigma_3 for sigma_3, _ in peaks]) == 0.0:
+        raise ValueError("the runs have one lateral stress: give several, and measure `lateral_stress`")
+    return peaks
+
+
 def cohesion(*runs: Run) -> float:
-    """Cohesion (Pa) of the peaks of runs with different confining stresses, by least squares of sigma_1."""
-    return _engine.mohr_coulomb([run.peak_stresses() for run in runs])[0]
+    """Cohesion (Pa) of the peaks of runs with different lateral stresses, by least squares of sigma_1.
+
+    Raises
+    ------
+    ValueError
+        If a run has no peak, or all have one lateral stress. It is the `lateral_stress` of the scene at the
+        peak, and 0 where the scene measures none.
+    """
+    return _engine.mohr_coulomb(_peaks(runs))[0]
 
 
 def friction_angle(*runs: Run) -> float:
-    """Friction angle (degrees) of the peaks of runs with different confining stresses, likewise."""
-    return _engine.mohr_coulomb([run.peak_stresses() for run in runs])[1]
+    """Friction angle (degrees) of the same line. Errors are those of :func:`cohesion`."""
+    return _engine.mohr_coulomb(_peaks(runs))[1]
 
 
 def hoek_brown_m(*runs: Run) -> float:
-    """m_i of the peaks of runs with different confining stresses, by least squares of
+    """m_i of the peaks of runs with different lateral stresses, by least squares of
     (sigma_1 - sigma_3)^2 = sigma_ci^2 + m_i sigma_ci sigma_3.
 
     Raises
     ------
     ValueError
-        If the line gives no sigma_ci.
+        As :func:`cohesion`, or if the line gives no sigma_ci.
     """
-    sigma_3, sigma_1 = np.transpose([run.peak_stresses() for run in runs])
+    sigma_3, sigma_1 = np.transpose(_peaks(runs))
     slope, square = np.polyfit(sigma_3, (sigma_1 - sigma_3) ** 2, 1)
     if square <= 0.0:
         raise ValueError("the strengths of these runs have no sigma_ci: the line begins below zero")
@@ -331,6 +360,8 @@ class _Search:
     offsets: list[Any] = field(default_factory=list)
     rows: dict[Path, dict[str, Any]] = field(default_factory=dict)
     found: dict[Path, Run | None] = field(default_factory=dict)
+    #: Latest runs by test and seed.
+    last: dict[tuple[str, int | None], Run | None] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.sought = [p for p in self.parameters if p.scales is None]
@@ -357,11 +388,22 @@ class _Search:
             warnings.simplefilter("ignore", RunWarning)
             specimens = dict(zip(seeds, pool.map(self.specimen, seeds)))
             runs = dict(zip(work, pool.map(lambda w: self.test(*w, values, specimens[w[1]]), work)))
+        self.last = runs
         measured = []
         for target in (self.targets[i] for i in chosen):
             of = [[runs[test, seed] for test in target.tests] for seed in seeds]
             measured.append([target.measure(some) if all(some) else np.nan for some in of])
         return measured
+
+    def doubt(self, target: Target | Curve) -> str:
+        """Why a target has no error in the latest runs of all seeds."""
+        of = {seed: [self.last[test, seed] for test in target.tests] for seed in self.seeds}
+        seed = next(
+            (s for s, runs in of.items() if not all(runs) or np.isnan(target.measure(runs)).any()),
+            self.seeds[0],
+        )
+        where = ", ".join(target.tests) + ("" if seed is None else f", seed {seed}")
+        return f"{target.name} of {where} is not defined: {target.doubt(of[seed])}"
 
     def specimen(self, seed: int | None) -> Settings | None:
         """Settings of the tests of a seed; None if its preparation failed."""
@@ -370,7 +412,7 @@ class _Search:
             return at_seed
         scene, sets = self.prepare
         done = self.run({"test": "prepare", "seed": seed}, scene, {**sets, **at_seed})
-        return done and {"specimen.path": json.dumps(str(done.path / "final_state.npz"))}
+        return done and {"specimen.path": _nested(str(done.path / "final_state.npz"))}
 
     def test(
         self, test: str, seed: int | None, values: Mapping[str, float], specimen: Settings | None
@@ -385,10 +427,9 @@ class _Search:
 
     def run(self, row: dict[str, Any], scene: Scene, settings: Settings) -> Run | None:
         """A run, unless one of the same text is there. None if it failed."""
-        text = check(scene, settings)["text"]
         # The directory may be moved, and its runs stay what they are.
-        name = hashlib.sha256(text.replace(str(self.out), "").encode()).hexdigest()[:16]
-        folder = self.out / name
+        text = check(scene, settings)["text"].replace(str(self.out), "")
+        folder = self.out / hashlib.sha256(f"{_engine.__version__}\n{text}".encode()).hexdigest()[:16]
         if folder in self.rows:
             return self.found[folder]
         ended = ("completed", "collapsed", "undecided", "refused")
@@ -616,8 +657,7 @@ def calibrate(
             message = "all targets are within the tolerance"
             break
         if missing := [t for t, e in zip(targets, errors) if not np.isfinite(e).all()]:
-            target = missing[0]
-            message = f"{target.name} of {', '.join(target.tests)} is not defined, or has the wrong sign"
+            message = search.doubt(missing[0])
             break
         if search.made >= max_runs:
             message = f"{max_runs} runs were made"

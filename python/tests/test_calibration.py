@@ -58,7 +58,8 @@ def test_a_calibration_needs_few_runs_where_similarity_suffices(tmp_path: Path) 
         tests, [Target("compression", "friction_angle_rad", 0.5)], parameters, out=tmp_path
     )
     assert not failed.success and np.isnan(failed.targets["reached"][0])
-    assert failed.message.startswith("friction_angle_rad of compression is not defined")
+    assert failed.message.startswith("friction_angle_rad of compression is not defined: ")
+    assert failed.message.endswith(clastic.open(failed.runs["directory"][0]).reasons["friction_angle_rad"])
 
 
 def test_a_curve_of_an_experiment_gives_both_factors(tmp_path: Path) -> None:
@@ -102,6 +103,8 @@ def test_strengths_on_an_envelope_give_its_parameters() -> None:
     assert clastic.cohesion(*runs) == pytest.approx(4e6)
     runs = [Peak(s, s + np.sqrt(100e6**2 + 12.0 * 100e6 * s)) for s in (0.0, 5e6, 20e6)]
     assert clastic.hoek_brown_m(*runs) == pytest.approx(12.0)
+    with pytest.raises(ValueError, match="one lateral stress: give several, and measure `lateral_stress`"):
+        clastic.friction_angle(*(Peak(0.0, 1e6) for _ in range(2)))
     with pytest.raises(ValueError, match="no sigma_ci"):
         clastic.hoek_brown_m(Peak(1e6, 1e6), Peak(2e6, 12e6))
 
