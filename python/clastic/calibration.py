@@ -8,6 +8,8 @@ keep their number small:
 - Gauss-Newton steps need differences once. Afterwards every run improves the derivatives (Broyden's update).
 - The first seed alone is searched, with the distance of all seeds from it at the start of a fit. All seeds verify the end.
 - A run lies in a folder that is named by the hash of its scene, and is never made twice.
+
+SciPy solves for a step. Its own searches repeat the differences for each step, or know no limits.
 """
 
 from __future__ import annotations

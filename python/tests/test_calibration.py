@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import shutil
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -164,3 +165,21 @@ def test_a_target_out_of_reach_names_the_parameter_at_its_limit(tmp_path: Path) 
     assert not found.success and found.parameters["shear"] == pytest.approx(0.1)
     assert found.message.endswith("at a limit: shear")
     assert found.targets["error"][1] < -0.02
+
+
+def test_four_properties_of_a_rock_take_less_than_forty_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = EXAMPLES / "calibrate.py"
+    names: dict[str, Any] = {"__file__": str(file), "__name__": "calibrate"}
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("sys.argv", ["calibrate.py", "marble"])
+    exec(file.read_text(), names)
+    found: clastic.Calibration = names["found"]
+    assert found.success and found.targets["error"].abs().max() <= 0.05
+    assert found.made < 40
+    # The targets of the table are the means of its last runs.
+    last = found.runs[
+        (found.runs["test"] == "tension") & (found.runs["tensile"] == found.parameters["tensile"])
+    ]
+    assert len(last) == 2 and last["strength_pa"].mean() == found.targets["reached"][3]
