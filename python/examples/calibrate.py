@@ -1,6 +1,6 @@
 """Grains and bonds of a rock: E, Poisson's ratio, compressive and tensile strength within 5 %.
 
-    python calibrate.py [granite | monzogranite | marble]
+    python calibrate.py [granite | basalt | marble]
 
 Tests are short where short ones suffice: modulus and Poisson's ratio need four increments.
 """
@@ -12,11 +12,11 @@ from pathlib import Path
 import clastic
 from clastic import Parameter, Target
 
-#: E (Pa), Poisson's ratio, compressive and tensile strength (Pa): typical values of Forsmark granite, Stripa
-#: monzogranite and Carrara marble.
+#: E (Pa), Poisson's ratio, compressive and tensile strength (Pa): about those of Forsmark granite and Carrara
+#: marble, and of the basalt of Schultz, J. Geophys. Res. 98 (1993) 10883.
 ROCKS = {
     "granite": (76e9, 0.23, 226e6, 13e6),
-    "monzogranite": (69e9, 0.21, 208e6, 15e6),
+    "basalt": (73e9, 0.25, 262e6, 14e6),
     "marble": (49e9, 0.19, 84.6e6, 6.9e6),
 }
 SCENES = Path(__file__).parent
