@@ -1,12 +1,13 @@
 """Parameters of grains and bonds that give a specimen the properties of a material.
 
-Most of a calibration is similarity, which takes no search: in statics without gravity a modulus follows all stiffnesses,
-and a strength all strengths of bonds, each by one factor. Runs seek the ratios that are left, such as k_t/k_n. Four rules
-keep their number small:
+Most of a calibration is similarity, which takes no search: in statics without gravity a modulus follows all
+stiffnesses, and a strength all strengths of bonds, each by one factor. Runs seek the ratios that are left, such as
+k_t/k_n. Four rules keep their number small:
 
 - A ratio is fitted with those tests alone that it acts on, tests of few ratios first: k_t/k_n with an elastic test.
 - Gauss-Newton steps need differences once. Afterwards every run improves the derivatives (Broyden's update).
-- The first seed alone is searched, with the distance of all seeds from it at the start of a fit. All seeds verify the end.
+- The first seed alone is searched, with the distance of all seeds from it at the start of a fit. All seeds verify
+  what is found.
 - A run lies in a folder that is named by the hash of its scene, and is never made twice.
 
 SciPy solves for a step. Its own searches repeat the differences for each step, or know no limits.
@@ -17,10 +18,9 @@ from __future__ import annotations
 import hashlib
 import os
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -31,296 +31,17 @@ from ._scene import Scene, Settings, _nested
 from .errors import RunWarning
 from .results import Run
 from .run import check, run
+from .targets import POINTS, Curve, Parameter, Target, scale
 
 if TYPE_CHECKING:
     import pandas
 
-#: What a quantity is proportional to: stiffness (a modulus), strength (a stress), their ratio (a strain).
-SCALES = ("stiffness", "strength", "strain")
 #: Searches, each with a verification by all seeds.
 SEARCHES = 4
 #: Steps as parts of the range between the limits of a parameter: of the first differences, the longest, and the
 #: shortest. Results jump where another bond breaks first, so that the derivatives of a step have half their weight
 #: where it is as long as JUMPS, and less where it is shorter.
 DIFFERENCE, MAXIMUM, MINIMUM, JUMPS = 0.15, 0.25, 0.005, 0.04
-#: Strains at which a curve is compared.
-POINTS = 50
-
-
-def _check_scales(name: str, scales: str | None) -> None:
-    if scales not in (None, *SCALES):
-        raise ValueError(f"{name}: scales is {scales!r}; {_meant(scales, SCALES)}")
-
-
-def _meant(word: Any, words: Sequence[str]) -> str:
-    """The word that was probably meant, or all that there are."""
-    near = get_close_matches(str(word), words, 1)
-    return f"did you mean {near[0]!r}?" if near else f"give one of {', '.join(words)}"
-
-
-def _scale(scales: str | None, factors: np.ndarray) -> float:
-    """Factor on a quantity, of the logarithms of the factors on stiffnesses and strengths."""
-    stiffness, strength = factors
-    logs = {"stiffness": stiffness, "strength": strength, "strain": strength - stiffness}
-    return float(np.exp(logs.get(scales or "", 0.0)))
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of the scenes.
-
-    Parameters
-    ----------
-    name
-        Its name in the result.
-    paths
-        Fields that have its value in all scenes, or by the names of the tests that it acts on.
-    start
-        Value of the first run.
-    scales
-        ``stiffness`` of stiffnesses, ``strength`` of stresses that limit bonds, ``strain`` of steps of
-        displacement: these keep their ratios, and one factor for each kind follows from similarity. None of
-        a number that runs seek. A ratio of two parameters is such a number where the scene has
-        ``let: {"ratio": 3.0, "cohesion": ratio * tensile}``.
-    low, high
-        Limits of a number that runs seek. Above zero its logarithm is sought.
-    """
-
-    name: str
-    paths: Sequence[str] | Mapping[str, Sequence[str]]
-    start: float
-    scales: str | None = None
-    low: float | None = None
-    high: float | None = None
-
-    def __post_init__(self) -> None:
-        _check_scales(self.name, self.scales)
-        if self.scales is None and (self.low is None or self.high is None or not self.low < self.high):
-            raise ValueError(f"{self.name}: give low and high, between which it is sought")
-
-    def paths_of(self, test: str) -> Sequence[str]:
-        """Fields of the scene of a test that have its value."""
-        return self.paths.get(test, ()) if isinstance(self.paths, Mapping) else self.paths
-
-    def part(self, value: float) -> float:
-        """Part of the way from low to high, 0 to 1."""
-        low, high, at = self._ends(value)
-        return (at - low) / (high - low)
-
-    def value(self, part: float) -> float:
-        """The value at a part of the way."""
-        low, high, _ = self._ends(self.start)
-        at = low + part * (high - low)
-        return float(np.exp(at)) if self.low > 0.0 else float(at)
-
-    def _ends(self, value: float) -> Sequence[float]:
-        ends = self.low, self.high, np.clip(value, self.low, self.high)
-        return np.log(ends) if self.low > 0.0 else ends
-
-
-@dataclass(frozen=True)
-class Target:
-    """A property that the specimen is to have.
-
-    Parameters
-    ----------
-    test
-        Name of the test, or names of several.
-    result
-        Key result of ``run.json``, such as ``youngs_modulus_pa`` or ``strength_pa``; or a function of
-        the runs of the tests, such as :func:`friction_angle`.
-    value
-        Wanted value; its sign is that of the result.
-    scales
-        ``stiffness`` of a modulus, ``strength`` of a stress, ``strain`` of a strain at rupture, None of
-        another number without unit.
-    weight
-        Weight of the relative error.
-    """
-
-    test: str | Sequence[str]
-    result: str | Callable[..., float]
-    value: float
-    scales: str | None = None
-    weight: float = 1.0
-
-    def __post_init__(self) -> None:
-        _check_scales(f"target {self.name}", self.scales)
-        if isinstance(self.result, str) and len(self.tests) != 1:
-            raise ValueError(f"target {self.name}: a key result has one test; give a function of several")
-
-    @property
-    def tests(self) -> Sequence[str]:
-        """Names of its tests."""
-        return [self.test] if isinstance(self.test, str) else list(self.test)
-
-    @property
-    def name(self) -> str:
-        """Key result, or name of the function."""
-        return self.result if isinstance(self.result, str) else self.result.__name__
-
-    def measure(self, runs: Sequence[Run]) -> float:
-        """Value of the runs of one seed; NaN where it is not defined."""
-        if callable(self.result):
-            try:
-                return float(self.result(*runs))
-            except ValueError:
-                return np.nan
-        results = runs[0].results
-        if self.result not in results:
-            what = f"{self.result} is no key result of {self.test}"
-            raise ValueError(f"{what}; {_meant(self.result, list(results))}")
-        return np.nan if results[self.result] is None else float(results[self.result])
-
-    def doubt(self, runs: Sequence[Run | None]) -> str:
-        """Why it has no error for the runs of a seed."""
-        if failed := [test for test, run in zip(self.tests, runs) if run is None]:
-            return f"{failed[0]} failed"
-        if callable(self.result):
-            try:
-                self.result(*runs)
-            except ValueError as error:
-                return str(error)
-        return runs[0].reasons.get(self.name, "its sign is not that of the target")
-
-    def errors(self, measured: Sequence[float], factors: np.ndarray) -> np.ndarray:
-        """Weighted logarithm of the mean over the seeds, after scaling, over the value."""
-        ratio = np.mean(measured) * _scale(self.scales, factors) / self.value
-        return np.array([self.weight * np.log(ratio) if ratio > 0.0 else np.nan])
-
-    def row(self, measured: Sequence[float]) -> dict[str, Any]:
-        """Row of the table of targets."""
-        reached = float(np.mean(measured))
-        deviation = float(np.std(measured, ddof=1)) if len(measured) > 1 else np.nan
-        return {"reached": reached, "deviation": deviation, "error": reached / self.value - 1.0}
-
-
-@dataclass(frozen=True)
-class Curve:
-    """A whole curve of an experiment that a test is to follow.
-
-    The residuals are the differences of the stress in the middle of 50 equal steps of strain up to the last
-    of the experiment, over its largest stress; beyond its end a run keeps its last stress. The error of the
-    curve is their root mean square.
-
-    Parameters
-    ----------
-    test
-        Name of the test.
-    points
-        Strains and stresses (Pa), shape (k, 2), with the signs of the test; or a CSV file with the columns
-        ``axial_strain`` and ``axial_stress_pa``.
-    weight
-        Weight of the error.
-    """
-
-    test: str
-    points: Any
-    weight: float = 1.0
-    name: str = "curve"
-
-    def __post_init__(self) -> None:
-        points = self.points
-        if isinstance(points, (str, os.PathLike)):
-            import pandas
-
-            table = pandas.read_csv(points)
-            columns = ["axial_strain", "axial_stress_pa"]
-            if missing := [name for name in columns if name not in table]:
-                raise ValueError(f"{points}: no column {missing[0]}; it has {', '.join(table)}")
-            points = table[columns].to_numpy()
-        points = np.array(points, float)
-        if points.ndim != 2 or points.shape[1:] != (2,) or len(points) < 2 or not np.isfinite(points).all():
-            raise ValueError(f"curve of {self.test}: give two or more pairs of a strain and a stress")
-        object.__setattr__(self, "points", points)
-
-    #: Its strains and stresses have both factors.
-    scales = "curve"
-    value = 0.0
-
-    @property
-    def tests(self) -> Sequence[str]:
-        """Name of its test."""
-        return [self.test]
-
-    def measure(self, runs: Sequence[Run]) -> np.ndarray:
-        """Strains and stresses of a run, from its initial state on."""
-        return runs[0].curve("axial_stress_pa")
-
-    def doubt(self, runs: Sequence[Run | None]) -> str:
-        """Why it has no error for the run of a seed."""
-        return "the run has no axial strains and stresses" if runs[0] else f"{self.test} failed"
-
-    def start(self, measured: Sequence[np.ndarray]) -> np.ndarray:
-        """Factors that bring the peak of the first seed to that of the experiment."""
-        wanted, found = (c[np.abs(c[:, 1]).argmax()] for c in (self.points, measured[0]))
-        strain, strength = np.log(np.abs(wanted / found))
-        return np.array([strength - strain, strength])
-
-    def errors(self, measured: Sequence[np.ndarray], factors: np.ndarray) -> np.ndarray:
-        """Weighted differences of the mean curve over the seeds, after scaling, over the peak."""
-        if not all(np.ndim(curve) == 2 and len(curve) > 1 for curve in measured):
-            return np.full(POINTS, np.nan)
-        strains = (np.arange(POINTS) + 0.5) / POINTS * self.points[-1, 0]
-        stresses = [
-            np.interp(*_rising(strains, curve[:, 0] * _scale("strain", factors)), curve[:, 1])
-            for curve in measured
-        ]
-        wanted = np.interp(*_rising(strains, self.points[:, 0]), self.points[:, 1])
-        found = np.mean(stresses, axis=0) * _scale("strength", factors)
-        return self.weight * (found - wanted) / np.abs(self.points[:, 1]).max() / np.sqrt(POINTS)
-
-    def row(self, measured: Sequence[np.ndarray]) -> dict[str, Any]:
-        """Row of the table of targets."""
-        error = float(np.linalg.norm(self.errors(measured, np.zeros(2)))) / self.weight
-        return {"reached": error, "deviation": np.nan, "error": error}
-
-
-def _rising(strains: np.ndarray, of_curve: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Both with the sign that lets them rise. Strains that go back, as in an avalanche, stand still."""
-    sign = 1.0 if strains[-1] > 0.0 else -1.0
-    return sign * strains, np.maximum.accumulate(sign * of_curve)
-
-
-def _peaks(runs: Sequence[Run]) -> list[tuple[float, float]]:
-    """Lateral and axial stresses (Pa) at the peaks."""
-    peaks = [run.peak_stresses() for run in runs]
-    if np.ptp([sigma_3 for sigma_3, _ in peaks]) == 0.0:
-        raise ValueError("the runs have one lateral stress: give several, and measure `lateral_stress`")
-    return peaks
-
-
-def cohesion(*runs: Run) -> float:
-    """Cohesion (Pa) of the peaks of runs with different lateral stresses, by least squares of sigma_1.
-
-    Raises
-    ------
-    ValueError
-        If a run has no peak, or all have one lateral stress. It is the `lateral_stress` of the scene at the
-        peak, and 0 where the scene measures none.
-    """
-    return _engine.mohr_coulomb(_peaks(runs))[0]
-
-
-def friction_angle(*runs: Run) -> float:
-    """Friction angle (degrees) of the same line. Errors are those of :func:`cohesion`."""
-    return _engine.mohr_coulomb(_peaks(runs))[1]
-
-
-def hoek_brown_m(*runs: Run) -> float:
-    """m_i of the peaks of runs with different lateral stresses, by least squares of
-    (sigma_1 - sigma_3)^2 = sigma_ci^2 + m_i sigma_ci sigma_3.
-
-    Raises
-    ------
-    ValueError
-        As :func:`cohesion`, or if the line gives no sigma_ci.
-    """
-    sigma_3, sigma_1 = np.transpose(_peaks(runs))
-    slope, square = np.polyfit(sigma_3, (sigma_1 - sigma_3) ** 2, 1)
-    if square <= 0.0:
-        raise ValueError("the strengths of these runs have no sigma_ci: the line begins below zero")
-    return float(slope / np.sqrt(square))
 
 
 @dataclass
@@ -377,7 +98,7 @@ class _Search:
     def values(self, parts: np.ndarray) -> dict[str, float]:
         """Values of all parameters."""
         found = {p.name: p.value(part) for p, part in zip(self.sought, parts)}
-        scaled = {p.name: p.start * _scale(p.scales, self.factors) for p in self.parameters if p.scales}
+        scaled = {p.name: p.start * scale(p.scales, self.factors) for p in self.parameters if p.scales}
         return {p.name: (found | scaled)[p.name] for p in self.parameters}
 
     def results(self, parts: np.ndarray, chosen: Sequence[int], seeds: Sequence[int | None]) -> list[list]:
@@ -612,7 +333,7 @@ def calibrate(
     Raises
     ------
     ValueError
-        If a target names no test or no key result, or if nothing may change.
+        If a target or a parameter names no test, a target no key result, or if nothing may change.
     """
     import pandas
 
@@ -622,6 +343,11 @@ def calibrate(
     for target in targets:
         if unknown := [name for name in target.tests if name not in tests]:
             raise ValueError(f"the target {target.name} names no test: `{unknown[0]}`")
+    for p in parameters:
+        if unknown := [
+            name for name in (p.paths if isinstance(p.paths, Mapping) else ()) if name not in tests
+        ]:
+            raise ValueError(f"the parameter {p.name} names no test: `{unknown[0]}`")
     if not targets or not parameters:
         raise ValueError("give targets and parameters")
     search = _Search(
