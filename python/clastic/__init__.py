@@ -15,17 +15,19 @@ Units are SI; compression, contraction and anticlockwise rotation are positive.
 
 from . import figures
 from ._engine import __version__
-from .calibration import Calibration, Parameter, Target, calibrate
+from .calibration import Calibration, calibrate
 from .errors import RunError, RunWarning, SceneError
 from .frame import STATES, Fabric, Frame
 from .results import Run, open
 from .run import check, resume, run
 from .simulation import Simulation, State
 from .studies import Envelope, Study, envelope, sweep
+from .targets import Curve, Parameter, Target, cohesion, friction_angle, hoek_brown_m
 
 __all__ = [
     "STATES",
     "Calibration",
+    "Curve",
     "Envelope",
     "Fabric",
     "Frame",
@@ -41,8 +43,11 @@ __all__ = [
     "__version__",
     "calibrate",
     "check",
+    "cohesion",
     "envelope",
     "figures",
+    "friction_angle",
+    "hoek_brown_m",
     "open",
     "resume",
     "run",

@@ -1,4 +1,17 @@
-"""Parameters of grains and bonds that give a specimen the properties of a material."""
+"""Parameters of grains and bonds that give a specimen the properties of a material.
+
+Most of a calibration is similarity, which takes no search: in statics without gravity a modulus follows all
+stiffnesses, and a strength all strengths of bonds, each by one factor. Runs seek the ratios that are left, such as
+k_t/k_n. Four rules keep their number small:
+
+- A ratio is fitted with those tests alone that it acts on, tests of few ratios first: k_t/k_n with an elastic test.
+- Gauss-Newton steps need differences once. Afterwards every run improves the derivatives (Broyden's update).
+- The first seed alone is searched, with the distance of all seeds from it at the start of a fit. All seeds verify
+  what is found.
+- A run lies in a folder that is named by the hash of its scene, and is never made twice.
+
+SciPy solves for a step. Its own searches repeat the differences for each step, or know no limits.
+"""
 
 from __future__ import annotations
 
@@ -8,106 +21,27 @@ import warnings
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from difflib import get_close_matches
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ._scene import Scene, Settings
+from . import _engine
+from ._scene import Scene, Settings, _nested
+from .errors import RunWarning
 from .results import Run
 from .run import check, run
+from .targets import POINTS, Curve, Parameter, Target, scale
 
 if TYPE_CHECKING:
     import pandas
 
-#: What a target is proportional to: stiffness (a modulus), strength (a stress), or nothing.
-SCALES = ("stiffness", "strength", "strain")
-#: Residual of a target that a run has not reached: a factor of e^3.
-FAILED = 3.0
-
-
-def _check_scales(name: str, scales: str | None) -> None:
-    if scales not in (None, *SCALES):
-        raise ValueError(f"{name}: scales is {scales!r}; {_meant(scales, SCALES)}")
-
-
-def _meant(word: Any, words: Sequence[str]) -> str:
-    """The word that was probably meant, or all that there are."""
-    near = get_close_matches(str(word), words, 1)
-    return f"did you mean {near[0]!r}?" if near else f"give one of {', '.join(words)}"
-
-
-@dataclass(frozen=True)
-class Parameter:
-    """A parameter of the scenes.
-
-    Parameters
-    ----------
-    name
-        Its name in the result.
-    paths
-        Fields of the scenes that have its value; by name of the test where scenes differ.
-    start
-        Value of the first run.
-    scales
-        ``stiffness`` of stiffnesses, ``strength`` of stresses that limit bonds, ``strain`` of steps of
-        displacement, None of a number without such a unit. Parameters of one kind keep their ratios:
-        one factor for each kind follows from similarity and takes no further runs.
-    low, high
-        Limits of a parameter that is sought by runs: one with ``scales=None``, or one that is a ratio
-        to the first parameter of its kind (``ratio=True``).
-    ratio
-        Whether its ratio to the first parameter of its kind is sought. ``start``, ``low`` and
-        ``high`` are then those of the ratio.
-    """
-
-    name: str
-    paths: Sequence[str] | Mapping[str, Sequence[str]]
-    start: float
-    scales: str | None = None
-    low: float | None = None
-    high: float | None = None
-    ratio: bool = False
-
-    @property
-    def is_sought(self) -> bool:
-        """Whether runs seek it."""
-        return self.ratio or self.scales is None
-
-    def __post_init__(self) -> None:
-        _check_scales(self.name, self.scales)
-        if self.is_sought and not (self.low is not None and self.high is not None):
-            raise ValueError(f"{self.name}: give low and high, between which it is sought")
-
-
-@dataclass(frozen=True)
-class Target:
-    """A property that the specimen is to have.
-
-    Parameters
-    ----------
-    test
-        Name of the test.
-    result
-        Key result of ``run.json``, such as ``youngs_modulus_pa`` or ``strength_pa``.
-    value
-        Wanted value; its sign is that of the result.
-    scales
-        ``stiffness`` of a modulus, ``strength`` of a stress, ``strain`` of a strain at rupture, None of
-        another number without unit.
-    weight
-        Weight of the relative error.
-    """
-
-    test: str
-    result: str
-    value: float
-    scales: str | None = None
-    weight: float = 1.0
-
-    def __post_init__(self) -> None:
-        _check_scales(f"target {self.result}", self.scales)
+#: Searches, each with a verification by all seeds.
+SEARCHES = 4
+#: Steps as parts of the range between the limits of a parameter: of the first differences, the longest, and the
+#: shortest. Results jump where another bond breaks first, so that the derivatives of a step have half their weight
+#: where it is as long as JUMPS, and less where it is shorter.
+DIFFERENCE, MAXIMUM, MINIMUM, JUMPS = 0.15, 0.25, 0.005, 0.04
 
 
 @dataclass
@@ -116,11 +50,12 @@ class Calibration:
 
     #: Values of the parameters.
     parameters: dict[str, float]
-    #: Targets with what was reached: the mean over the seeds of a last run, and its relative error.
+    #: Targets with what was reached: the mean over the seeds, their standard deviation (n - 1), and the
+    #: relative error of the mean; of a curve the root mean square of its differences over its peak.
     targets: pandas.DataFrame
-    #: All runs: test, seed, parameters, directory, whether it was there already, marks, results.
+    #: All runs: test, seed, parameters, directory, whether it was there already, status, marks, results.
     runs: pandas.DataFrame
-    #: Number of runs that were made, and of those that were there already.
+    #: Number of runs that were made, preparations among them, and of those that were there already.
     made: int = 0
     cached: int = 0
     #: Whether all targets were reached within the tolerance.
@@ -135,102 +70,229 @@ class Calibration:
 @dataclass
 class _Search:
     tests: Mapping[str, tuple[Scene, Settings]]
-    targets: Sequence[Target]
+    targets: Sequence[Target | Curve]
     parameters: Sequence[Parameter]
-    seeds: Sequence[int]
+    seeds: Sequence[int | None]
     seed_paths: Sequence[str]
+    prepare: tuple[Scene, Settings] | None
     out: Path
     jobs: int | None
-    rows: list[dict[str, Any]] = field(default_factory=list)
+    #: Logarithms of the factors on stiffnesses and strengths that the runs have.
+    factors: np.ndarray = field(default_factory=lambda: np.zeros(2))
+    #: What the errors of all seeds differ by from those of the first.
+    offsets: list[Any] = field(default_factory=list)
+    rows: dict[Path, dict[str, Any]] = field(default_factory=dict)
+    found: dict[Path, Run | None] = field(default_factory=dict)
+    #: Latest runs by test and seed.
+    last: dict[tuple[str, int | None], Run | None] = field(default_factory=dict)
 
-    def values(self, sought: Sequence[float], factors: Mapping[str, float]) -> dict[str, float]:
-        """Values of all parameters, of which the sought ones are given."""
-        of = iter(sought)
-        found: dict[str, float] = {}
-        first: dict[str, float] = {}
-        for p in self.parameters:
-            if p.scales is not None and not p.ratio:
-                found[p.name] = p.start * factors.get(p.scales, 1.0)
-                first.setdefault(p.scales, found[p.name])
-        for p in self.parameters:
-            if p.is_sought:
-                x = float(next(of))
-                found[p.name] = x * first[p.scales] if p.ratio and p.scales else x
-        return found
+    def __post_init__(self) -> None:
+        self.sought = [p for p in self.parameters if p.scales is None]
+        self.offsets = [0.0 for _ in self.targets]
 
-    def run_all(self, values: Mapping[str, float]) -> dict[tuple[str, str], float]:
-        """Mean key results over the seeds, by test and name; NaN where a run failed."""
-        work = [(test, seed) for test in self.tests for seed in (self.seeds or [None])]
-        with ThreadPoolExecutor(self.jobs or os.cpu_count()) as pool:
-            runs = list(pool.map(lambda w: self.run_one(*w, values), work))
-        means = {}
-        for target in self.targets:
-            of_test = [run for (test, _), run in zip(work, runs) if test == target.test]
-            names = next((list(run.results) for run in of_test if run), [target.result])
-            if target.result not in names:
-                what = f"{target.result} is no key result of {target.test}"
-                raise ValueError(f"{what}; {_meant(target.result, names)}")
-            found = [run.results.get(target.result) if run else None for run in of_test]
-            numbers = [np.nan if value is None else float(value) for value in found]
-            means[target.test, target.result] = float(np.mean(numbers))
-        return means
+    @property
+    def made(self) -> int:
+        """Number of runs that were made."""
+        return sum(not row["cached"] for row in self.rows.values())
 
-    def run_one(self, test: str, seed: int | None, values: Mapping[str, float]) -> Run | None:
-        """A run, unless one of the same text is there. None if it failed."""
+    def values(self, parts: np.ndarray) -> dict[str, float]:
+        """Values of all parameters."""
+        found = {p.name: p.value(part) for p, part in zip(self.sought, parts)}
+        scaled = {p.name: p.start * scale(p.scales, self.factors) for p in self.parameters if p.scales}
+        return {p.name: (found | scaled)[p.name] for p in self.parameters}
+
+    def results(self, parts: np.ndarray, chosen: Sequence[int], seeds: Sequence[int | None]) -> list[list]:
+        """What the chosen targets measure, by target and seed; NaN where a run failed."""
+        values = self.values(parts)
+        tests = [name for name in self.tests if any(name in self.targets[i].tests for i in chosen)]
+        work = [(test, seed) for test in tests for seed in seeds]
+        with ThreadPoolExecutor(self.jobs or os.cpu_count()) as pool, warnings.catch_warnings():
+            # Doubts are in the column `marks`.
+            warnings.simplefilter("ignore", RunWarning)
+            specimens = dict(zip(seeds, pool.map(self.specimen, seeds)))
+            runs = dict(zip(work, pool.map(lambda w: self.test(*w, values, specimens[w[1]]), work)))
+        self.last = runs
+        measured = []
+        for target in (self.targets[i] for i in chosen):
+            of = [[runs[test, seed] for test in target.tests] for seed in seeds]
+            measured.append([target.measure(some) if all(some) else np.nan for some in of])
+        return measured
+
+    def doubt(self, target: Target | Curve) -> str:
+        """Why a target has no error in the latest runs of all seeds."""
+        of = {seed: [self.last[test, seed] for test in target.tests] for seed in self.seeds}
+        seed = next(
+            (s for s, runs in of.items() if not all(runs) or np.isnan(target.measure(runs)).any()),
+            self.seeds[0],
+        )
+        where = ", ".join(target.tests) + ("" if seed is None else f", seed {seed}")
+        return f"{target.name} of {where} is not defined: {target.doubt(of[seed])}"
+
+    def specimen(self, seed: int | None) -> Settings | None:
+        """Settings of the tests of a seed; None if its preparation failed."""
+        at_seed = {} if seed is None else {path: seed for path in self.seed_paths}
+        if self.prepare is None:
+            return at_seed
+        scene, sets = self.prepare
+        done = self.run({"test": "prepare", "seed": seed}, scene, {**sets, **at_seed})
+        return done and {"specimen.path": _nested(str(done.path / "final_state.npz"))}
+
+    def test(
+        self, test: str, seed: int | None, values: Mapping[str, float], specimen: Settings | None
+    ) -> Run | None:
+        """A test; None if it failed."""
+        if specimen is None:
+            return None
         scene, sets = self.tests[test]
-        settings = dict(sets)
-        for p in self.parameters:
-            paths = p.paths.get(test, ()) if isinstance(p.paths, Mapping) else p.paths
-            settings.update({path: values[p.name] for path in paths})
-        if seed is not None:
-            settings.update({path: seed for path in self.seed_paths})
-        text = check(scene, settings)["text"]
-        folder = self.out / hashlib.sha256(text.encode()).hexdigest()[:16]
+        settings = {**sets, **specimen}
+        settings |= {path: values[p.name] for p in self.parameters for path in p.paths_of(test)}
+        return self.run({"test": test, "seed": seed, **values}, scene, settings)
+
+    def run(self, row: dict[str, Any], scene: Scene, settings: Settings) -> Run | None:
+        """A run, unless one of the same text is there. None if it failed."""
+        # The directory may be moved, and its runs stay what they are.
+        text = check(scene, settings)["text"].replace(str(self.out), "")
+        folder = self.out / hashlib.sha256(f"{_engine.__version__}\n{text}".encode()).hexdigest()[:16]
+        if folder in self.rows:
+            return self.found[folder]
         ended = ("completed", "collapsed", "undecided", "refused")
         there = (folder / "run.json").exists() and Run(folder).status in ended
-        with warnings.catch_warnings():
-            # Doubts are in the column `marks`.
-            warnings.simplefilter("ignore")
-            found = (
-                Run(folder) if there else run(scene, settings, folder, force=True, threads=1, progress=False)
-            )
-        row = {"test": test, "seed": seed, **values, "directory": str(folder), "cached": there}
-        row |= {"status": found.status, "marks": "; ".join(found.marks)}
-        row |= {t.result: found.results.get(t.result) for t in self.targets if t.test == test}
-        self.rows.append(row)
-        return found if found.status in ("completed", "collapsed") else None
+        done = Run(folder) if there else run(scene, settings, folder, force=True, threads=1, progress=False)
+        row |= {"directory": str(folder), "cached": there, "status": done.status}
+        row |= {"marks": "; ".join(done.marks)}
+        row |= {
+            t.name: done.results[t.name]
+            for t in self.targets
+            if row["test"] in t.tests and t.name in done.results
+        }
+        self.rows[folder] = row
+        self.found[folder] = done if done.status in ("completed", "collapsed") else None
+        return self.found[folder]
 
-    def factors(self, means: Mapping[tuple[str, str], float]) -> dict[str, float]:
-        """Factors on stiffnesses and strengths that bring the results nearest to their targets."""
-        factors = {}
-        for kind in ("stiffness", "strength"):
-            ratios = [(t.weight, t.value / means[t.test, t.result]) for t in self.targets if t.scales == kind]
-            logs = [(w, np.log(r)) for w, r in ratios if np.isfinite(r) and r > 0.0]
-            total = sum(w for w, _ in logs)
-            factors[kind] = float(np.exp(sum(w * x for w, x in logs) / total)) if total else 1.0
-        # Displacements at rupture go with strength over stiffness.
-        factors["strain"] = factors["strength"] / factors["stiffness"]
-        return factors
+    def errors(self, measured: list[list], chosen: Sequence[int], factors: np.ndarray) -> list[np.ndarray]:
+        """Errors of the chosen targets of all seeds once the results are scaled by more factors."""
+        of = zip(chosen, measured)
+        return [self.targets[i].errors(seeds, factors) + self.offsets[i] for i, seeds in of]
 
-    def errors(self, means: Mapping[tuple[str, str], float], factors: Mapping[str, float]) -> np.ndarray:
-        """Weighted errors of the targets once the results are scaled."""
-        errors = []
-        for t in self.targets:
-            ratio = means[t.test, t.result] * factors.get(t.scales or "", 1.0) / t.value
-            error = np.log(ratio) if np.isfinite(ratio) and ratio > 0.0 else FAILED
-            errors.append(t.weight * float(np.clip(error, -FAILED, FAILED)))
-        return np.array(errors)
+    def similar(self, measured: list[list], chosen: Sequence[int]) -> np.ndarray:
+        """More factors, which bring the results nearest to the targets."""
+        from scipy.optimize import least_squares
+
+        kinds = [
+            any(p.scales == kind for p in self.parameters)
+            and any(self.targets[i].scales in (kind, "strain", "curve") for i in chosen)
+            for kind in ("stiffness", "strength")
+        ]
+        start = np.zeros(2)
+        for i, seeds in zip(chosen, measured):
+            if isinstance(self.targets[i], Curve) and np.ndim(seeds[0]) == 2:
+                start = np.where(kinds, self.targets[i].start(seeds), 0.0)
+        if not any(kinds):
+            return start
+
+        def errors(some: np.ndarray) -> np.ndarray:
+            factors = np.zeros(2)
+            factors[kinds] = some
+            every = np.concatenate(self.errors(measured, chosen, factors))
+            return every[defined]
+
+        defined = np.isfinite(np.concatenate(self.errors(measured, chosen, start)))
+        if defined.any():
+            start[kinds] = least_squares(errors, start[kinds], x_scale="jac").x
+        return start
+
+    def trial(self, parts: np.ndarray, chosen: Sequence[int]) -> np.ndarray:
+        """Errors of the chosen targets at the first seed, with the factors that suit them best."""
+        measured = self.results(parts, chosen, self.seeds[:1])
+        return np.concatenate(self.errors(measured, chosen, self.similar(measured, chosen)))
+
+    def compare(self, parts: np.ndarray, chosen: Sequence[int]) -> None:
+        """Finds by what the errors of all seeds differ from those of the first."""
+        measured = self.results(parts, chosen, self.seeds)
+        for i, seeds in zip(chosen, measured):
+            every, first = (self.targets[i].errors(some, np.zeros(2)) for some in (seeds, seeds[:1]))
+            self.offsets[i] = np.nan_to_num(every - first)
+
+    def groups(self) -> list[tuple[list[int], list[int]]]:
+        """Sought parameters with the targets that they are fitted to, in the order of the fits. The last group
+        has all targets.
+        """
+        acts = [
+            {i for i, p in enumerate(self.sought) if any(p.paths_of(test) for test in t.tests)}
+            for t in self.targets
+        ]
+        groups, done = [], set()
+        for size in sorted({len(some) for some in acts}):
+            chosen = [k for k, some in enumerate(acts) if len(some) <= size]
+            free = set().union(*(acts[k] for k in chosen)) - done
+            # Similarity takes one equation for each kind of scale.
+            equations = sum(POINTS if isinstance(self.targets[k], Curve) else 1 for k in chosen)
+            equations -= len({self.targets[k].scales for k in chosen} - {None})
+            last = size == max(len(some) for some in acts)
+            if last or (free and equations >= len(done | free)):
+                groups.append((sorted(free), chosen))
+                done |= free
+        return groups
+
+    def fit(
+        self,
+        parts: np.ndarray,
+        free: list[int],
+        chosen: list[int],
+        slopes: np.ndarray | None,
+        goal: float,
+        most: int,
+    ) -> tuple[np.ndarray, np.ndarray | None]:
+        """Gauss-Newton steps of the free parameters within a box, which shrinks where a step fails."""
+        from scipy.optimize import lsq_linear
+
+        error = self.trial(parts, chosen)
+        box = MAXIMUM
+        while free and np.linalg.norm(error) > goal and box > MINIMUM and self.made < most:
+            if slopes is None:
+                slopes = np.column_stack([self.slope(parts, i, chosen, error) for i in free])
+            here = parts[free]
+            low, high = np.maximum(-box, -here), np.minimum(box, 1.0 - here)
+            step = lsq_linear(slopes, -error, (low - 1e-12, high + 1e-12)).x
+            if np.abs(step).max() < MINIMUM:
+                break
+            there = parts.copy()
+            there[free] = np.clip(here + step, 0.0, 1.0)
+            next_error = self.trial(there, chosen)
+            if np.isfinite(next_error).all():
+                surprise = np.outer(next_error - error - slopes @ step, step)
+                slopes = slopes + surprise / (step @ step + JUMPS**2)
+            if np.linalg.norm(next_error) < np.linalg.norm(error):
+                parts, error = there, next_error
+            else:
+                box = 0.5 * np.abs(step).max()
+        return parts, slopes
+
+    def slope(self, parts: np.ndarray, i: int, chosen: list[int], error: np.ndarray) -> np.ndarray:
+        """Derivative of the errors by a parameter, by a difference to the side that has more room, or else to
+        the other; zero where both runs fail.
+        """
+        inward = DIFFERENCE if parts[i] < 0.5 else -DIFFERENCE
+        for step in (inward, -inward):
+            there = parts.copy()
+            there[i] = np.clip(parts[i] + step, 0.0, 1.0)
+            if there[i] != parts[i]:
+                slope = (self.trial(there, chosen) - error) / (there[i] - parts[i])
+                if np.isfinite(slope).all():
+                    return slope
+        return np.zeros_like(error)
 
 
 def calibrate(
     tests: Mapping[str, Scene | tuple[Scene, Settings]],
-    targets: Sequence[Target],
+    targets: Sequence[Target | Curve],
     parameters: Sequence[Parameter],
     *,
     seeds: Sequence[int] = (),
     seed_paths: Sequence[str] = ("let.seed",),
+    prepare: Scene | tuple[Scene, Settings] | None = None,
     tolerance: float = 0.02,
-    max_evaluations: int = 30,
+    max_runs: int = 100,
     out: str | os.PathLike[str] = "runs/calibration",
     jobs: int | None = None,
 ) -> Calibration:
@@ -238,11 +300,12 @@ def calibrate(
 
     Two factors take no search. In statics without gravity a modulus is proportional to the
     stiffnesses, all in one ratio, and a strength without confining stress to the strengths of the
-    bonds, as long as strains are small. What runs must seek are the other parameters: ratios, and
-    friction. They are found by least squares of the logarithms of the results over their targets
-    (``scipy.optimize.least_squares``), in which the two factors are the best for each trial. A last
-    set of runs has the parameters that were found, and its results are those of the table; where it
-    is not within the tolerance, because strains are not small, the factors are applied once more.
+    bonds, as long as strains are small. The other parameters are sought by Gauss-Newton steps on the
+    logarithms of the results over their targets, in which the two factors are the best for each trial.
+    A parameter is fitted before others if the targets that it alone acts on suffice: give its ``paths``
+    by test where it does not act on all. The search has the first seed. Runs of all seeds then have the
+    parameters that were found, and are searched again from there where their means are not within the
+    tolerance.
 
     Parameters
     ----------
@@ -253,12 +316,14 @@ def calibrate(
     seeds
         Seeds of the specimen: each test runs with each, and the means count.
     seed_paths
-        Fields of the scenes that are the seed.
+        Fields that are the seed, of the preparation if there is one, else of the tests.
+    prepare
+        A scene, or a pair with its settings, whose final state is the specimen of all tests of a seed
+        (``specimen: State(path: ...)``). It has none of the parameters and is run once a seed.
     tolerance
         Relative error within which a target counts as reached.
-    max_evaluations
-        Maximum number of steps of the least squares. A step has a trial, and one for each parameter that is
-        sought; a trial has a run for every test and seed.
+    max_runs
+        Number of runs after which no other search begins.
     out
         Directory of the runs, which have the names of hashes of their scenes: what is there already
         is not run again.
@@ -268,69 +333,80 @@ def calibrate(
     Raises
     ------
     ValueError
-        If a target names no test or no key result, or if nothing may change.
+        If a target or a parameter names no test, a target no key result, or if nothing may change.
     """
     import pandas
-    from scipy.optimize import least_squares
 
-    pairs = {k: v if isinstance(v, tuple) else (v, {}) for k, v in tests.items()}
+    def pair(scene: Scene | tuple[Scene, Settings]) -> tuple[Scene, Settings]:
+        return scene if isinstance(scene, tuple) else (scene, {})
+
     for target in targets:
-        if target.test not in pairs:
-            raise ValueError(f"the target {target.result} names no test: `{target.test}`")
+        if unknown := [name for name in target.tests if name not in tests]:
+            raise ValueError(f"the target {target.name} names no test: `{unknown[0]}`")
+    for p in parameters:
+        if unknown := [
+            name for name in (p.paths if isinstance(p.paths, Mapping) else ()) if name not in tests
+        ]:
+            raise ValueError(f"the parameter {p.name} names no test: `{unknown[0]}`")
     if not targets or not parameters:
         raise ValueError("give targets and parameters")
-    search = _Search(pairs, targets, parameters, seeds, seed_paths, Path(out), jobs)
-    sought = [p for p in parameters if p.is_sought]
-    low, high = (np.array([getattr(p, end) for p in sought], float) for end in ("low", "high"))
-    into = lambda x: (np.asarray(x, float) - low) / (high - low)
-    back = lambda u: low + np.asarray(u) * (high - low)
-    unit: dict[str, float] = {}
-
-    def trial(u: np.ndarray) -> np.ndarray:
-        means = search.run_all(search.values(back(u), unit))
-        return search.errors(means, search.factors(means))
-
-    message = "similarity alone"
-    best = np.array([p.start for p in sought])
-    if sought:
-        # Results have steps where another bond breaks first: differences must be larger.
-        found = least_squares(
-            trial,
-            np.clip(into(best), 0.01, 0.99),
-            bounds=(0.0, 1.0),
-            diff_step=0.05,
-            xtol=1e-3,
-            ftol=1e-4,
-            max_nfev=max_evaluations,
-        )
-        best, message = back(found.x), found.message
-    factors = {"stiffness": 1.0, "strength": 1.0, "strain": 1.0}
-    for _ in range(4):
-        values = search.values(best, factors)
-        means = search.run_all(values)
-        reached = np.abs(search.errors(means, {}))
-        if (reached <= tolerance * np.array([t.weight for t in targets])).all():
-            break
-        factors = {kind: factors[kind] * x for kind, x in search.factors(means).items()}
-    table = pandas.DataFrame(
-        [
-            {
-                "test": t.test,
-                "result": t.result,
-                "target": t.value,
-                "reached": means[t.test, t.result],
-                "error": means[t.test, t.result] / t.value - 1.0,
-            }
-            for t in targets
-        ]
+    search = _Search(
+        {name: pair(scene) for name, scene in tests.items()},
+        targets,
+        parameters,
+        list(seeds) or [None],
+        seed_paths,
+        None if prepare is None else pair(prepare),
+        Path(out).absolute(),
+        jobs,
     )
-    runs = pandas.DataFrame(search.rows)
+    parts = np.array([p.part(p.start) for p in search.sought])
+    every = list(range(len(targets)))
+    allowed = tolerance * np.array([t.weight for t in targets])
+    groups = search.groups()
+    slopes: list[np.ndarray | None] = [None] * len(groups)
+    best, message = (np.inf, {}, []), "no search brought the results nearer"
+    for _ in range(SEARCHES):
+        before = len(search.rows)
+        for k, (free, chosen) in enumerate(groups):
+            search.compare(parts, chosen)
+            # Two targets that pull in opposite directions then have half the tolerance each.
+            goal = np.sqrt(0.5) * allowed[chosen].min()
+            parts, slopes[k] = search.fit(parts, free, chosen, slopes[k], goal, max_runs)
+        # All tests of the first seed, most of which are there, give the factors.
+        measured = search.results(parts, every, search.seeds[:1])
+        search.factors = search.factors + search.similar(measured, every)
+        measured = search.results(parts, every, search.seeds)
+        errors = [t.errors(seeds, np.zeros(2)) for t, seeds in zip(targets, measured)]
+        worst = float(np.max([np.linalg.norm(e) / a for e, a in zip(errors, allowed)]))
+        if not best[2] or worst < best[0]:
+            best = (worst, search.values(parts), measured)
+        if worst <= 1.0:
+            message = "all targets are within the tolerance"
+            break
+        if missing := [t for t, e in zip(targets, errors) if not np.isfinite(e).all()]:
+            message = search.doubt(missing[0])
+            break
+        if search.made >= max_runs:
+            message = f"{max_runs} runs were made"
+            break
+        if len(search.rows) == before:
+            break
+    worst, values, measured = best
+    ends = [p.name for p in search.sought if not MINIMUM < p.part(values[p.name]) < 1.0 - MINIMUM]
+    if worst > 1.0 and ends:
+        message += f"; at a limit: {', '.join(ends)}"
+    table = pandas.DataFrame(
+        {"test": ", ".join(t.tests), "result": t.name, "target": t.value, **t.row(seeds)}
+        for t, seeds in zip(targets, measured)
+    )
+    runs = pandas.DataFrame(search.rows.values())
     return Calibration(
         parameters=values,
         targets=table,
         runs=runs,
-        made=int((~runs["cached"]).sum()),
-        cached=int(runs["cached"].sum()),
-        success=bool((table["error"].abs() <= 1.01 * tolerance).all()),
+        made=search.made,
+        cached=len(runs) - search.made,
+        success=worst <= 1.0,
         message=message,
     )

@@ -112,6 +112,21 @@ class Run:
         """
         return _engine.curve(self.path, column)
 
+    def peak_stresses(self) -> tuple[float, float]:
+        """Lateral and axial stress (Pa) at the peak. Without a measured lateral stress it is 0.
+
+        Raises
+        ------
+        ValueError
+            If the peak is not defined.
+        """
+        peak = self.results["peak_stress_pa"]
+        if peak is None:
+            raise ValueError(f"{self.path}: no peak: {self.reasons.get('peak_stress_pa', 'not defined')}")
+        rows = self.history[self.history["axial_stress_pa"] == peak]
+        lateral = rows["lateral_stress_pa"].iloc[0] if len(rows) else np.nan
+        return 0.0 if np.isnan(lateral) else float(lateral), peak
+
     def drives(self) -> list[tuple[str, str, np.ndarray]]:
         """Probes on which the outside world works: name, direction, and points (k, 3) of increment,
         displacement (m) or rotation (rad), and force (N) or moment (N m) in the direction.

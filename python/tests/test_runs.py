@@ -182,39 +182,3 @@ def test_the_program_comes_with_the_package() -> None:
     assert "biaxial_small" in program("list").stdout
     program("check", "no_such_scene", code=1)
     assert os.environ.get("MPLBACKEND")
-
-
-def test_a_calibration_needs_few_runs_where_similarity_suffices(tmp_path: Path) -> None:
-    """Modulus and strength of a compression test by two factors; a target that no factor changes."""
-    text = program("new", "uniaxial").stdout
-    places = ["walls.bottom.contact", "walls.top.contact", "materials.rock.contact", "materials.rock.bond"]
-    stiffness = [f"{place}.{kind}_stiffness" for place in places for kind in ("normal", "tangential")]
-    parameters = [
-        clastic.Parameter("stiffness", stiffness, 2.0e10, "stiffness"),
-        clastic.Parameter("cohesion", ["let.cohesion"], 50.0e6, "strength"),
-        clastic.Parameter("tensile", ["let.tensile"], 30.0e6, "strength"),
-        clastic.Parameter("step", ["let.step"], 1.2e-6, "strain"),
-    ]
-    targets = [
-        clastic.Target("compression", "youngs_modulus_pa", 25.0e9, "stiffness"),
-        clastic.Target("compression", "peak_stress_pa", 90.0e6, "strength"),
-    ]
-    tests = {"compression": text}
-    found = clastic.calibrate(tests, targets, parameters, out=tmp_path)
-    assert found.success and found.targets["error"].abs().max() < 0.02
-    assert found.made <= 3 and found.cached == 0
-    assert found.parameters["tensile"] / found.parameters["cohesion"] == pytest.approx(0.6)
-    again = clastic.calibrate(tests, targets, parameters, out=tmp_path)
-    assert again.made == 0 and again.parameters == found.parameters
-    with pytest.raises(ValueError, match="names no test"):
-        clastic.calibrate(tests, [clastic.Target("shear", "x", 1.0)], parameters, out=tmp_path)
-    with pytest.raises(ValueError, match="did you mean 'strength'"):
-        clastic.Target("compression", "peak_stress_pa", 1.0, "strengh")
-    with pytest.raises(ValueError, match="is no key result of compression; did you mean 'peak_stress_pa'"):
-        clastic.calibrate(
-            tests, [clastic.Target("compression", "peak_stres_pa", 1.0)], parameters, out=tmp_path
-        )
-    failed = clastic.calibrate(
-        tests, [clastic.Target("compression", "friction_angle_rad", 0.5)], parameters, out=tmp_path
-    )
-    assert not failed.success and np.isnan(failed.targets["reached"][0])

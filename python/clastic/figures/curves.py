@@ -218,15 +218,7 @@ def mohr(*runs: Run, ax: Axes | None = None) -> Axes:
     from .. import _engine
 
     _runs(runs)
-    strengths = []
-    for run in runs:
-        peak = run.results["peak_stress_pa"]
-        if peak is None:
-            raise _absent(run, f"no peak: {run.reasons.get('peak_stress_pa', 'not defined')}")
-        rows = run.history[run.history["axial_stress_pa"] == peak]
-        lateral = rows["lateral_stress_pa"].iloc[0] if len(rows) else np.nan
-        # A specimen without lateral walls has no confining stress.
-        strengths.append((0.0 if np.isnan(lateral) else float(lateral), peak))
+    strengths = [run.peak_stresses() for run in runs]
     unit, size = prefix(max(peak for _, peak in strengths), "Pa")
     with style():
         ax = new_axes(0.75, ax)
