@@ -187,6 +187,46 @@ fn a_cavity_in_a_jammed_cell_under_factors_on_strength() {
     }
 }
 
+/// 64 disks in a cell, cemented under pressure, of which a box is cut out and pulled apart.
+pub const CUT: &str = r#"(
+    version: 1,
+    title: "A specimen that is cut out of a cell",
+    friction_law: ByAnalysis,
+    materials: { "rock": (density: 2000.0,
+        contact: (normal_stiffness: 3.0e8, tangential_stiffness: 2.0e8, friction: 0.5),
+        bond: (normal_stiffness: 3.0e8, tangential_stiffness: 2.0e8, cohesion: 2.0e7, tensile_strength: 1.0e7)) },
+    specimen: Packing(count: 64, columns: 8, spacing: 2.5e-3, sizes: Uniform(radius: (0.8e-3, 1.2e-3)), seed: 3),
+    cell: (size: (20.0e-3, 20.0e-3)),
+    walls: [
+        (name: "bottom", start: (1.0e-3, 1.0e-3), end: (13.0e-3, 1.0e-3), present: false, touching: true),
+        (name: "top", start: (13.0e-3, 1.0e-3), end: (1.0e-3, 1.0e-3), present: false, touching: true),
+    ],
+    stages: [
+        Compact(name: "compact", target: Jammed, step: 1.0e-3, agitation: 0.1, seed: 1),
+        Load(name: "press", increments: 3, cell: (xx: Stress(1.0e5), yy: Stress(1.0e5))),
+        Cement(name: "cement", length: 0.1e-3),
+        Remove(name: "cut", open_cell: true,
+            select: Except(All, Box(min: (1.0e-3, 1.0e-3), max: (13.0e-3, 13.0e-3)))),
+        Load(name: "platens", increments: 1, add_walls: ["bottom", "top"]),
+        Cement(name: "glue", length: 1.5e-3, walls: true, particles: false),
+        Load(name: "pull", increments: 6, walls: { "top": Displacement(0.0, 4.0e-6) }),
+    ],
+    measures: [
+        (name: "axial_strain", of: Strain(Walls("bottom", "top"))),
+        (name: "axial_stress", of: Stress(Walls(walls: ["bottom", "top"], length: Fixed(12.0e-3)))),
+    ],
+    output: (energy: true),
+)"#;
+
+#[test]
+fn a_specimen_that_is_cut_out_of_a_cell() {
+    for law in EACH_LAW {
+        let records = same_from_anywhere(&parse(&CUT.replace("ByAnalysis", law)), |_| true);
+        let of = |stage: &str| records.iter().filter(|o| o.stage == stage).count();
+        assert!(of("press") > 0 && of("platens") > 0 && of("pull") > 5, "{law}");
+    }
+}
+
 /// A bonded heap on a plate that turns, beside a polyline that spins, and a drum below; groups whose
 /// force is measured.
 pub const TURNING: &str = r#"(

@@ -183,9 +183,9 @@ fn a_wall_that_meets_nothing_is_refused() {
     );
 }
 
-/// A box beside the cell has no particles, once all are put back into it.
+/// A cut that leaves nothing is refused before it changes anything: the cell is still there.
 #[test]
-fn a_box_beside_the_cell_is_refused() {
+fn a_cut_that_leaves_nothing_leaves_the_cell() {
     let mut scene = scene("");
     for stage in &mut scene.stages {
         if let Stage::Remove(cut) = stage {

@@ -192,8 +192,11 @@ struct Packed {
 impl Packed {
     /// A random packing fills the grid from which it is drawn. A compaction brings it to the
     /// height, or the porosity, of its target; where none does, its height is not known and its
-    /// width decides.
+    /// width decides. `None` for a specimen that is cut out of a cell.
     fn of(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Self> {
+        if scene.stages.iter().any(|stage| matches!(stage, Stage::Remove(cut) if cut.open_cell)) {
+            return None;
+        }
         let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
         let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
         let side = |of: fn(&ParticleSeed) -> f64| {

@@ -134,13 +134,13 @@ fn lines_have_three_digits() {
 }
 
 #[test]
-fn ten_diameters_across_direct_tension_are_no_false_alarm_and_eight_warn() {
+fn ten_diameters_across_a_rock_are_no_false_alarm_and_eight_warn() {
     let of = |sets: &[&str]| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/direct_tension.ron");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_small.ron");
         let sets: Vec<_> = sets.iter().map(|set| (*set).to_owned()).collect();
         before(&crate::scene::load(&path, &sets).unwrap_or_else(|e| panic!("{e}")).scene, None)
     };
-    let report = of(&[]);
+    let report = of(&["specimen.columns=10"]);
     let few = |report: &Report| report.warnings.iter().any(|w| w.contains("largest disks"));
     // 12 mm of at most 1.2 mm.
     assert!(report.disks_across.unwrap() >= 10.0, "{report:?}");
@@ -153,8 +153,8 @@ fn ten_diameters_across_direct_tension_are_no_false_alarm_and_eight_warn() {
 
 #[test]
 fn a_low_packing_counts_the_height_that_its_compaction_leaves() {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/direct_tension.ron");
-    let sets = ["specimen.count=60".to_owned()];
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_small.ron");
+    let sets = ["specimen.count=60", "specimen.columns=10"].map(str::to_owned);
     let scene = crate::scene::load(&path, &sets).unwrap_or_else(|e| panic!("{e}")).scene;
     let seeds = crate::run::minerals::specimen(&scene, None);
     let area: f64 = seeds.iter().map(|s| std::f64::consts::PI * s.radius * s.radius).sum();
