@@ -107,12 +107,18 @@ RIGS = {
     ),
     "direct_tension": three(
         "direct_tension", LET,
-        (["specimen.columns=8", *box(9.6e-3, 61e-3), "measures.axial_stress.of.length=Fixed(9.6e-3)"], {}),
+        (["stages.cut.select=Except(All, Box(min: (0.8e-3, 0.8e-3), max: (10.4e-3, 28.0e-3)))",
+          *wall("bottom", end=(10.4e-3, 0.8e-3)), *wall("top", start=(10.4e-3, 28.0e-3)),
+          "measures.axial_stress.of.length=Fixed(9.6e-3)"], {}),
     ),
     "brazilian": three(
         "brazilian", [*LET, 'walls.low_jaw.probe="low"', 'walls.high_jaw.probe="high"'],
-        (["stages.cut.select=Except(All, Circle(centre: (11.4e-3, 11.5e-3), radius: 8.55e-3))",
-          "measures.axial_stress.of.length=Fixed(28.27e-3)"], {}),
+        # A radius of 9 mm.
+        (["stages.cut.select=Except(All, Intersection([Circle(centre: (11.0e-3, 11.0e-3), radius: 9.0e-3), "
+          "Layer(normal: (0.0, 1.0), from: 2.1367e-3, to: 19.8633e-3)]))",
+          *wall("low_jaw", (9.4372e-3, 1.0e-3), (12.5628e-3, 1.0e-3)),
+          *wall("high_jaw", (12.5628e-3, 21.0e-3), (9.4372e-3, 21.0e-3)),
+          "measures.axial_stress.of.length=Fixed(29.32e-3)"], {}),
     ),
     "shear_box": three(
         "shear_box", PACKED,
