@@ -4,16 +4,23 @@
 //! limit of its first bond. Other bonds may break after it at constant load. It ends with the
 //! equilibrium in which all bonds hold. The columns of the state after it are empty if the run
 //! ended before, or if loading continued with one round of ruptures.
+//!
+//! It releases the elastic energy that the specimen loses and the work that the constant loads do
+//! meanwhile, `W + U_before - U_after`: what bonds, friction and the motion to the new equilibrium
+//! take.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::bond::RuptureMode;
+use clastic_components::bond::{Rupture, RuptureMode};
+use clastic_components::cell::PeriodicCell;
+use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::EventSearch;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 use clastic_systems::measures::elastic_energy;
 
 use super::OutputError;
@@ -22,7 +29,7 @@ use super::found::Found;
 use super::run_directory::RunDirectory;
 
 /// Columns.
-pub const COLUMNS: [&str; 12] = [
+pub const COLUMNS: [&str; 16] = [
     "increment",
     "stage",
     "axial_strain",
@@ -35,6 +42,10 @@ pub const COLUMNS: [&str; 12] = [
     "axial_stress_after_pa",
     "elastic_energy_before_j",
     "elastic_energy_after_j",
+    "x_m",
+    "y_m",
+    "extent_m",
+    "released_j",
 ];
 
 /// The current avalanche of a run.
@@ -54,6 +65,12 @@ pub struct Avalanche {
     broken: [u32; 3],
     stress: Option<f64>,
     energy: f64,
+    /// Work of the constant loads so far, J, if it is known.
+    work: Option<f64>,
+    /// Mean of the contact points of the broken bonds, m.
+    place: DVec2,
+    /// Sum of the squares of their distances from it, m^2.
+    spread: f64,
 }
 
 impl Avalanche {
@@ -67,6 +84,9 @@ impl Avalanche {
         let is_loaded = observation.fraction > 0.0;
         let is_active = now.search.active;
         let after = (!is_loaded).then(|| (observation.axial_stress, now.elastic_energy()));
+        if let Some(avalanche) = open.as_mut().filter(|_| !is_loaded) {
+            avalanche.work = avalanche.work.zip(now.work()).map(|(before, more)| before + more);
+        }
         let mut ended = if observation.ruptures.is_empty() {
             open.take().map(|avalanche| avalanche.ended(after))
         } else if is_loaded {
@@ -81,12 +101,7 @@ impl Avalanche {
         if let Some(avalanche) = open {
             avalanche.rounds += 1;
             for rupture in &observation.ruptures {
-                let mode = match rupture.mode {
-                    RuptureMode::Tension => 0,
-                    RuptureMode::Shear => 1,
-                    RuptureMode::Rolling => 2,
-                };
-                avalanche.broken[mode] += 1;
+                avalanche.add(rupture, now.cell.as_deref());
             }
         }
         // The followed motion has come to rest without the bonds that broke in it.
@@ -109,13 +124,35 @@ impl Avalanche {
             broken: [0; 3],
             stress: observation.axial_stress,
             energy: now.elastic_energy(),
+            work: Some(0.0),
+            place: first.position,
+            spread: 0.0,
         })
+    }
+
+    fn bonds(&self) -> u32 {
+        self.broken.iter().sum()
+    }
+
+    /// Adds a broken bond. In a periodic cell its image nearest to the mean so far counts.
+    fn add(&mut self, rupture: &Rupture, cell: Option<&PeriodicCell>) {
+        let mode = match rupture.mode {
+            RuptureMode::Tension => 0,
+            RuptureMode::Shear => 1,
+            RuptureMode::Rolling => 2,
+        };
+        self.broken[mode] += 1;
+        let apart = rupture.position - self.place;
+        let apart = cell.map_or(apart, |cell| apart + cell.shift(apart));
+        let moved = apart / f64::from(self.bonds());
+        self.place += moved;
+        self.spread += apart.dot(apart - moved);
     }
 
     /// Row of the avalanche, and number of its bonds. `after` is the axial stress and the elastic
     /// energy after it, if it ended with an equilibrium.
     pub fn ended(self, after: Option<(Option<f64>, f64)>) -> (Row, usize) {
-        let bonds = self.broken.iter().sum::<u32>() as usize;
+        let bonds = self.bonds();
         let mut row = Row::default()
             .count(self.increment)
             .text(&self.stage)
@@ -127,7 +164,12 @@ impl Avalanche {
         }
         let stress = after.and_then(|after| after.0);
         let row = row.optionals([self.stress, stress]);
-        (row.optionals([Some(self.energy), after.map(|after| after.1)]), bonds)
+        let energy = after.map(|after| after.1);
+        let row = row.optionals([Some(self.energy), energy]);
+        let row = row.numbers(self.place.to_array());
+        let row = row.numbers([(self.spread / f64::from(bonds)).sqrt()]);
+        let released = self.work.zip(energy).map(|(work, after)| work + self.energy - after);
+        (row.optionals([released]), bonds as usize)
     }
 }
 
@@ -139,6 +181,8 @@ pub(super) struct Now<'w> {
     search: Res<'w, EventSearch>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
+    ledger: Option<Res<'w, EnergyLedger>>,
+    cell: Option<Res<'w, PeriodicCell>>,
 }
 
 impl Now<'_> {
@@ -146,6 +190,17 @@ impl Now<'_> {
     fn elastic_energy(&self) -> f64 {
         // Only static increments end avalanches.
         elastic_energy(&self.program, &self.solution, 1.0)
+    }
+
+    /// Work of the loads in the last increment, which was made at constant load, J. Without loads
+    /// it is 0, else the energy ledger has it.
+    fn work(&self) -> Option<f64> {
+        if let Some(ledger) = &self.ledger {
+            return Some(ledger.increment.external + ledger.increment.gravity);
+        }
+        let mut dofs = self.program.bodies.iter().flat_map(|body| &body.dofs);
+        let is_loaded = dofs.any(|dof| matches!(dof, Dof::Free(free) if free.load != 0.0));
+        (!is_loaded).then_some(0.0)
     }
 }
 
