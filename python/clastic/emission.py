@@ -45,7 +45,9 @@ def emissions(*runs: Run) -> pandas.DataFrame:
     for k, run in enumerate(runs):
         table = run.avalanches
         if len(table) == 0:
-            raise ValueError(f"{run.path}: no avalanche; bonds must break one by one (`rupture: (order: Events)`)")
+            raise ValueError(
+                f"{run.path}: no avalanche; bonds must break one by one (`rupture: (order: Events)`)"
+            )
         if table["released_j"].isna().all():
             raise ValueError(
                 f"{run.path}: no avalanche has a released energy; where loads do work the scene needs "
@@ -148,7 +150,8 @@ class PowerLaw:
             drawn = [self.sample(n, random)]
             if len(below):
                 drawn.append(random.choice(below, len(self.values) - n))
-            worse += power_law(np.concatenate(drawn), None if self.sought else self.minimum).distance >= self.distance
+            again = power_law(np.concatenate(drawn), None if self.sought else self.minimum)
+            worse += again.distance >= self.distance
         return worse / repeats
 
 
@@ -184,7 +187,9 @@ def power_law(values: np.ndarray, minimum: float | None = None) -> PowerLaw:
     # The largest values alone have no spread.
     starts = [start for start in np.unique(values[: max(len(values) - LEAST + 1, 0)]) if start < values[-1]]
     if not starts:
-        raise ValueError(f"{len(values)} values; a cut-off is sought above which at least {LEAST} lie, not all the same")
+        raise ValueError(
+            f"{len(values)} values; a cut-off is sought above which at least {LEAST} lie, not all the same"
+        )
     return min((_fit(values, start, True) for start in starts), key=lambda fit: fit.distance)
 
 
@@ -257,8 +262,8 @@ def cycles(run: Run) -> pandas.DataFrame:
 
     Returns a row per loading: ``increment_from``, ``increment_to``, ``borne_pa`` (the largest stress
     before it; not a number in the first), ``highest_pa`` (its own), ``emissions``, ``energy_j``, of these
-    ``emissions_below`` and ``energy_below_j`` at stresses up to the one borne, ``onset_pa`` (the stress
-    at the first emission), ``felicity`` (onset over borne; at least 1 if the rock remembers), and
+    ``emissions_below`` and ``energy_below_j`` before the stress exceeds the one borne, ``onset_pa`` (the
+    stress at the first emission), ``felicity`` (onset over borne; at least 1 if the rock remembers), and
     ``emissions_unloading`` (after it, until the next).
 
     Raises
@@ -283,7 +288,8 @@ def cycles(run: Run) -> pandas.DataFrame:
         after = (at > increment[end]) & (at <= increment[last])
         earlier = [stress[: start + 1], before[at <= first]]
         borne = float(np.concatenate(earlier).max()) if start else np.nan
-        below = inside & (before <= borne)
+        above = [increment[start : end + 1][stress[start : end + 1] > borne], at[inside & (before > borne)]]
+        below = inside & (at < np.concatenate(above).min(initial=np.iinfo(np.int64).max)) & (start > 0)
         onset = before[inside][0] if inside.any() else np.nan
         loadings.append({
             "increment_from": increment[start], "increment_to": increment[end], "borne_pa": borne,

@@ -43,7 +43,7 @@ def test_continuous_values_have_the_closed_form() -> None:
 
 def test_exponents_and_cut_offs_are_those_of_another_package() -> None:
     random = np.random.default_rng(3)
-    values = np.concatenate([continuous(1.6, 300, random), random.uniform(0.5, 2.0, 150)])
+    values = np.concatenate([continuous(1.6, 1500, random), random.uniform(0.5, 2.0, 1000)])
     theirs = powerlaw.Fit(values, verbose=False)
     ours = power_law(values, theirs.xmin)
     assert ours.exponent == pytest.approx(theirs.power_law.alpha, rel=1e-9)
@@ -95,7 +95,9 @@ def table(magnitudes: np.ndarray) -> pandas.DataFrame:
 def test_b_is_that_of_gutenberg_and_richter() -> None:
     # Two thirds of the emissions have b = 1.5, the others b = 0.7.
     random = np.random.default_rng(11)
-    magnitudes = np.concatenate([random.exponential(np.log10(np.e) / b, n) for b, n in [(1.5, 800), (0.7, 400)]])
+    magnitudes = np.concatenate(
+        [random.exponential(np.log10(np.e) / b, n) for b, n in [(1.5, 800), (0.7, 400)]]
+    )
     b = b_values(table(magnitudes - 3.0), 10.0**-4.5, window=200)
     assert (b["emissions"] == 200).all() and len(b) == 11
     mean = magnitudes[:200].mean()

@@ -21,7 +21,7 @@ use clastic_components::findings::EventSearch;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
-use clastic_systems::measures::elastic_energy;
+use clastic_systems::measures::elastic_energy_left;
 
 use super::OutputError;
 use super::csv_file::Row;
@@ -186,10 +186,10 @@ pub(super) struct Now<'w> {
 }
 
 impl Now<'_> {
-    /// Elastic energy of the contacts and bonds of the last solution, J.
+    /// Elastic energy of the contacts and bonds after the last solution, J. Only static increments
+    /// begin and end avalanches.
     fn elastic_energy(&self) -> f64 {
-        // Only static increments end avalanches.
-        elastic_energy(&self.program, &self.solution, 1.0)
+        elastic_energy_left(&self.program, &self.solution)
     }
 
     /// Work of the loads in the last increment, which was made at constant load, J. Without loads

@@ -80,14 +80,18 @@ def emission_cycles(run: Run, *, energy: bool = False, ax: Axes | None = None) -
         for k, row in enumerate(loadings.itertuples()):
             color = COLORS[k % len(COLORS)]
             chosen = (at <= row.increment_to) & ((at > row.increment_from) | (k == 0))
-            x = np.concatenate([[0.0], stress[chosen], [max(row.highest_pa, 0.0)] if not chosen.any() else []])
-            y = np.concatenate([[before], total[chosen], [before] if not chosen.any() else []])
-            ax.step(x / size, y, where="post", color=color, label=f"loading {k + 1}")
+            x, y = [0.0, *stress[chosen]], [before, *total[chosen]]
+            if not chosen.any():
+                x, y = [0.0, row.highest_pa], [before, before]
+            ax.step(np.array(x) / size, y, where="post", color=color, label=f"loading {k + 1}")
             if not np.isnan(row.borne_pa):
                 ax.axvline(row.borne_pa / size, color=color, lw=0.7, ls="--")
             before = y[-1]
         ax.set(xlabel=f"axial stress ({unit})", ylabel="released energy (J)" if energy else "emissions")
-        ax.set_ylim(bottom=0)
+        if energy:
+            ax.set_yscale("log")
+        else:
+            ax.set_ylim(bottom=0)
         if len(loadings) > 1:
             legend_below(ax)
     return ax

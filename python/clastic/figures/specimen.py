@@ -444,7 +444,7 @@ def fragments(
         return sheet.end()
 
 
-def foci(run: Run, at: int | str = "start", *, box: Box | None = None, ax: Axes | None = None) -> Axes:
+def foci(run: Run, at: int | str = "peak", *, box: Box | None = None, ax: Axes | None = None) -> Axes:
     """Places of the emissions on the disks of a moment, the last ones on top. The radius of a circle is
     in proportion to the cube root of the energy, its colour is the axial strain.
     """
