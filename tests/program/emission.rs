@@ -53,7 +53,8 @@ fn each() -> impl Iterator<Item = (&'static str, bool)> {
 /// Three springs in a row between two held ends: the weakest breaks at 12 N.
 #[test]
 fn a_chain_between_held_ends_releases_all_that_it_has_stored() {
-    let disks = "(position: (0.0, 0.0), radius: 5.0e-3), (position: (11.0e-3, 0.0), radius: 6.0e-3),
+    let disks =
+        "(position: (0.0, 0.0), radius: 5.0e-3), (position: (11.0e-3, 0.0), radius: 6.0e-3),
         (position: (22.0e-3, 0.0), radius: 5.0e-3), (position: (30.0e-3, 0.0), radius: 3.0e-3)";
     let bonds = "(a: 0, b: 1), (a: 1, b: 2), (a: 2, b: 3)";
     let controls = "(select: Index([0]), x: Held), (select: Index([3]), x: Displacement(0.7e-6))";
@@ -101,7 +102,8 @@ fn an_avalanche_of_two_bonds_lies_half_way_between_them() {
         15.0e-3 * s
     );
     let bonds = "(a: 0, b: 1), (a: 1, b: 2), (a: 1, b: 3), (a: 3, b: 4)";
-    let controls = "(select: Index([2, 4]), x: Held), (select: Index([0]), x: Displacement(0.6e-6))";
+    let controls =
+        "(select: Index([2, 4]), x: Held), (select: Index([0]), x: Displacement(0.6e-6))";
     for (rule, energy) in each() {
         let row = first(&disks, bonds, controls, rule, energy);
         // The contact points are at 12 mm under 30 degrees and at -17 mm; they move by some um.
@@ -126,10 +128,19 @@ fn rock_releases_what_the_ledger_takes_and_is_silent_below_the_stress_it_has_bor
     let history = rows(out.path(), "history.csv");
     let emissions = rows(out.path(), "avalanches.csv");
     let taken = |row: &Row| {
-        ["friction", "rolling", "dilation", "collision", "rupture", "motion", "turning", "numerical"]
-            .iter()
-            .map(|part| number(row, &format!("energy_{part}_j")))
-            .sum::<f64>()
+        [
+            "friction",
+            "rolling",
+            "dilation",
+            "collision",
+            "rupture",
+            "motion",
+            "turning",
+            "numerical",
+        ]
+        .iter()
+        .map(|part| number(row, &format!("energy_{part}_j")))
+        .sum::<f64>()
     };
     let mut compared = 0;
     for emission in &emissions {
@@ -139,7 +150,8 @@ fn rock_releases_what_the_ledger_takes_and_is_silent_below_the_stress_it_has_bor
         let after = history[k + 1..].iter().find(|row| row["fraction"] == "0.0").unwrap();
         // The energy of the first bond is booked where it reaches its limit.
         let first = |row: &Row| number(row, "energy_rupture_j");
-        let expected = taken(after) - taken(&history[k]) + first(&history[k]) - first(&history[k - 1]);
+        let expected =
+            taken(after) - taken(&history[k]) + first(&history[k]) - first(&history[k - 1]);
         assert_relative(number(emission, "released_j"), expected, 1e-2);
         compared += 1;
     }
