@@ -32,7 +32,7 @@ def emission_sizes(
         part = len(law.above) / len(values)
         ax.loglog(line, part * law.tail(line), color="black", lw=0.9, label=_words(law))
         names = {"energy_j": "released energy (J)", "bonds": "broken bonds"}
-        ax.set(xlabel=names.get(column, column), ylabel="share of at least as large ones")
+        ax.set(xlabel=names.get(column, column), ylabel="share at least as large")
         ax.law = law  # type: ignore[attr-defined]
         legend_below(ax)
     return ax
