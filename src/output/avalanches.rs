@@ -215,3 +215,66 @@ pub(super) fn write_ended(
     found.see_avalanche(bonds);
     run.tables.avalanches.push(row)
 }
+
+#[cfg(test)]
+mod tests {
+    use clastic_components::body::BodyId;
+    use clastic_components::bond::BondId;
+
+    use super::*;
+
+    fn place_and_extent(places: &[DVec2], cell: Option<&PeriodicCell>) -> (DVec2, f64) {
+        let rupture = |position| Rupture {
+            increment: 1,
+            bond: BondId(0),
+            a: BodyId(0),
+            b: BodyId(1),
+            mode: RuptureMode::Tension,
+            position,
+            normal: DVec2::X,
+            p: -1.0,
+            q: 0.0,
+            tau: 0.0,
+        };
+        let mut avalanche = Avalanche {
+            increment: 1,
+            stage: String::new(),
+            strain: None,
+            first_bond: 0,
+            rounds: 1,
+            broken: [0; 3],
+            stress: None,
+            energy: 0.0,
+            work: None,
+            place: places[0],
+            spread: 0.0,
+        };
+        for place in places {
+            avalanche.add(&rupture(*place), cell);
+        }
+        (avalanche.place, (avalanche.spread / places.len() as f64).sqrt())
+    }
+
+    /// Four bonds at the corners of a rectangle of 2 by 4 cm, about a corner of a sheared cell too.
+    #[test]
+    fn bonds_on_both_sides_of_a_cell_are_near_one_another() {
+        let corners = [(0.01, 0.02), (-0.01, 0.02), (-0.01, -0.02), (0.01, -0.02)];
+        let corners = corners.map(|(x, y)| DVec2::new(x, y));
+        let (place, extent) = place_and_extent(&corners, None);
+        assert!(place.length() < 1e-15 && (extent - 5.0e-4_f64.sqrt()).abs() < 1e-15);
+
+        let cell = PeriodicCell {
+            width: 1.0,
+            height: 0.8,
+            tilt: 0.3,
+            shear: 0.0,
+            stress: [0.0; 3],
+            controls: Default::default(),
+            by_mean: false,
+        };
+        let (place, extent) =
+            place_and_extent(&corners.map(|corner| cell.wrapped(corner)), Some(&cell));
+        assert!((place + cell.shift(place)).length() < 1e-14, "{place}");
+        assert!((extent - 5.0e-4_f64.sqrt()).abs() < 1e-14, "{extent}");
+    }
+}
