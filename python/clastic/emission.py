@@ -183,7 +183,9 @@ def power_law(values: np.ndarray, minimum: float | None = None) -> PowerLaw:
     if len(values) and not values[0] > 0:
         raise ValueError("values must be above 0")
     if minimum is not None:
-        return _fit(values, minimum, False)
+        if not minimum > 0:
+            raise ValueError("the cut-off must be above 0")
+        return _fit(values, np.ceil(minimum) if values.dtype.kind in "iu" else minimum, False)
     # The largest values alone have no spread.
     starts = [start for start in np.unique(values[: max(len(values) - LEAST + 1, 0)]) if start < values[-1]]
     if not starts:
