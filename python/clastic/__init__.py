@@ -6,6 +6,7 @@
 ``Simulation``               a scene that Python steps and changes
 ``open``                     the results of a run as tables and arrays
 ``figures``                  figures for papers
+``emission``                 acoustic emission: exponents, b-values, Kaiser effect
 ``sweep``, ``envelope``      many runs, one table
 ``calibrate``                parameters of grains and bonds from targets of the specimen
 ===========================  =================================================================
@@ -13,7 +14,7 @@
 Units are SI; compression, contraction and anticlockwise rotation are positive.
 """
 
-from . import figures
+from . import emission, figures
 from ._engine import __version__
 from .calibration import Calibration, calibrate
 from .errors import RunError, RunWarning, SceneError
@@ -44,6 +45,7 @@ __all__ = [
     "calibrate",
     "check",
     "cohesion",
+    "emission",
     "envelope",
     "figures",
     "friction_angle",

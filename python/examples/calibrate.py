@@ -43,7 +43,7 @@ found = clastic.calibrate(
         Parameter("shear", ["let.shear"], 0.4, low=0.1, high=1.0),
         # It has no influence on the elastic test, which is then not repeated for it.
         Parameter(
-            "cohesion", {t: ["let.cohesion"] for t in ("compression", "tension")}, 3.0, low=1.0, high=10.0
+            "cohesion", {t: ["let.cohesion"] for t in ("compression", "tension")}, 5.0, low=1.0, high=10.0
         ),
     ],
     seeds=(1, 2),

@@ -35,6 +35,16 @@ def biaxial(tmp_path_factory: pytest.TempPathFactory) -> clastic.Run:
         return clastic.run("biaxial_small", SETS, out, progress=False)
 
 
+@pytest.fixture(scope="session")
+def cyclic(tmp_path_factory: pytest.TempPathFactory) -> clastic.Run:
+    """A rock of 900 disks that emits."""
+    out = tmp_path_factory.mktemp("runs") / "cyclic"
+    with warnings.catch_warnings():
+        # One contact overlaps by 3 % of a radius, of which a run warns.
+        warnings.simplefilter("ignore", clastic.RunWarning)
+        return clastic.run("acoustic_emission", out=out, progress=False)
+
+
 @pytest.fixture
 def scene(tmp_path: Path) -> Path:
     """A disk of 2 kg on a floor, without gravity."""

@@ -17,6 +17,7 @@ import clastic
 from clastic import figures
 
 NAMES = [name for name in figures.__all__ if name not in ("WIDTH", "close", "style")]
+EMISSION = ("b_value", "emission_cycles", "emission_sizes", "foci")
 ROSES = [name for name in NAMES if name.endswith("rose")]
 
 
@@ -26,10 +27,16 @@ def _closed():
     plt.close("all")
 
 
+@pytest.fixture
+def run(name: str, request: pytest.FixtureRequest) -> clastic.Run:
+    """A run that has what the figure shows."""
+    return request.getfixturevalue("cyclic" if name in EMISSION else "biaxial")
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_a_figure_draws(name: str, biaxial: clastic.Run, tmp_path: Path) -> None:
+def test_a_figure_draws(name: str, run: clastic.Run, tmp_path: Path) -> None:
     draw = getattr(figures, name)
-    drawn = np.atleast_1d(draw(biaxial))
+    drawn = np.atleast_1d(draw(run))
     for ax in drawn:
         assert isinstance(ax, Axes)
         shown = [*ax.lines, *ax.collections, *ax.patches]
@@ -43,7 +50,7 @@ def test_a_figure_draws(name: str, biaxial: clastic.Run, tmp_path: Path) -> None
     if "ax" in inspect.signature(draw).parameters:
         polar = {"projection": "polar"} if name in ROSES else None
         _, ours = plt.subplots(subplot_kw=polar)
-        assert draw(biaxial, ax=ours) is ours and plt.get_fignums()[-1] == ours.figure.number
+        assert draw(run, ax=ours) is ours and plt.get_fignums()[-1] == ours.figure.number
 
 
 def fits(figure: Figure) -> bool:
@@ -54,11 +61,11 @@ def fits(figure: Figure) -> bool:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_figure_fits_its_page(name: str, biaxial: clastic.Run) -> None:
+def test_a_figure_fits_its_page(name: str, run: clastic.Run) -> None:
     draw = getattr(figures, name)
-    drawn = [draw(biaxial)]
+    drawn = [draw(run)]
     if "cracks" in inspect.signature(draw).parameters:
-        drawn.append(draw(biaxial, cracks=True))
+        drawn.append(draw(run, cracks=True))
     for ax in drawn:
         first = np.atleast_1d(ax)[0]
         assert fits(first.figure)

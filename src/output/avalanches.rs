@@ -4,17 +4,24 @@
 //! limit of its first bond. Other bonds may break after it at constant load. It ends with the
 //! equilibrium in which all bonds hold. The columns of the state after it are empty if the run
 //! ended before, or if loading continued with one round of ruptures.
+//!
+//! It releases the elastic energy that the specimen loses and the work that the constant loads do
+//! meanwhile, `W + U_before - U_after`: what bonds, friction and the motion to the new equilibrium
+//! take.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::bond::RuptureMode;
+use clastic_components::bond::{Rupture, RuptureMode};
+use clastic_components::cell::PeriodicCell;
+use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::EventSearch;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
-use clastic_cone::program::{ConeProgram, ConeSolution};
-use clastic_systems::measures::elastic_energy;
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
+use clastic_systems::measures::elastic_energy_left;
 
 use super::OutputError;
 use super::csv_file::Row;
@@ -22,7 +29,7 @@ use super::found::Found;
 use super::run_directory::RunDirectory;
 
 /// Columns.
-pub const COLUMNS: [&str; 12] = [
+pub const COLUMNS: [&str; 16] = [
     "increment",
     "stage",
     "axial_strain",
@@ -35,6 +42,10 @@ pub const COLUMNS: [&str; 12] = [
     "axial_stress_after_pa",
     "elastic_energy_before_j",
     "elastic_energy_after_j",
+    "x_m",
+    "y_m",
+    "extent_m",
+    "released_j",
 ];
 
 /// The current avalanche of a run.
@@ -54,6 +65,12 @@ pub struct Avalanche {
     broken: [u32; 3],
     stress: Option<f64>,
     energy: f64,
+    /// Work of the constant loads so far, J, if it is known.
+    work: Option<f64>,
+    /// Mean of the contact points of the broken bonds, m.
+    place: DVec2,
+    /// Sum of the squares of their distances from it, m^2.
+    spread: f64,
 }
 
 impl Avalanche {
@@ -67,6 +84,9 @@ impl Avalanche {
         let is_loaded = observation.fraction > 0.0;
         let is_active = now.search.active;
         let after = (!is_loaded).then(|| (observation.axial_stress, now.elastic_energy()));
+        if let Some(avalanche) = open.as_mut().filter(|_| !is_loaded) {
+            avalanche.work = avalanche.work.zip(now.work()).map(|(before, more)| before + more);
+        }
         let mut ended = if observation.ruptures.is_empty() {
             open.take().map(|avalanche| avalanche.ended(after))
         } else if is_loaded {
@@ -81,12 +101,7 @@ impl Avalanche {
         if let Some(avalanche) = open {
             avalanche.rounds += 1;
             for rupture in &observation.ruptures {
-                let mode = match rupture.mode {
-                    RuptureMode::Tension => 0,
-                    RuptureMode::Shear => 1,
-                    RuptureMode::Rolling => 2,
-                };
-                avalanche.broken[mode] += 1;
+                avalanche.add(rupture, now.cell.as_deref());
             }
         }
         // The followed motion has come to rest without the bonds that broke in it.
@@ -109,13 +124,35 @@ impl Avalanche {
             broken: [0; 3],
             stress: observation.axial_stress,
             energy: now.elastic_energy(),
+            work: Some(0.0),
+            place: first.position,
+            spread: 0.0,
         })
+    }
+
+    fn bonds(&self) -> u32 {
+        self.broken.iter().sum()
+    }
+
+    /// Adds a broken bond. In a periodic cell its image nearest to the mean so far counts.
+    fn add(&mut self, rupture: &Rupture, cell: Option<&PeriodicCell>) {
+        let mode = match rupture.mode {
+            RuptureMode::Tension => 0,
+            RuptureMode::Shear => 1,
+            RuptureMode::Rolling => 2,
+        };
+        self.broken[mode] += 1;
+        let apart = rupture.position - self.place;
+        let apart = cell.map_or(apart, |cell| apart + cell.shift(apart));
+        let moved = apart / f64::from(self.bonds());
+        self.place += moved;
+        self.spread += apart.dot(apart - moved);
     }
 
     /// Row of the avalanche, and number of its bonds. `after` is the axial stress and the elastic
     /// energy after it, if it ended with an equilibrium.
     pub fn ended(self, after: Option<(Option<f64>, f64)>) -> (Row, usize) {
-        let bonds = self.broken.iter().sum::<u32>() as usize;
+        let bonds = self.bonds();
         let mut row = Row::default()
             .count(self.increment)
             .text(&self.stage)
@@ -127,7 +164,12 @@ impl Avalanche {
         }
         let stress = after.and_then(|after| after.0);
         let row = row.optionals([self.stress, stress]);
-        (row.optionals([Some(self.energy), after.map(|after| after.1)]), bonds)
+        let energy = after.map(|after| after.1);
+        let row = row.optionals([Some(self.energy), energy]);
+        let row = row.numbers(self.place.to_array());
+        let row = row.numbers([(self.spread / f64::from(bonds)).sqrt()]);
+        let released = self.work.zip(energy).map(|(work, after)| work + self.energy - after);
+        (row.optionals([released]), bonds as usize)
     }
 }
 
@@ -139,13 +181,26 @@ pub(super) struct Now<'w> {
     search: Res<'w, EventSearch>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
+    ledger: Option<Res<'w, EnergyLedger>>,
+    cell: Option<Res<'w, PeriodicCell>>,
 }
 
 impl Now<'_> {
-    /// Elastic energy of the contacts and bonds of the last solution, J.
+    /// Elastic energy of the contacts and bonds after the last solution, J. Only static increments
+    /// begin and end avalanches.
     fn elastic_energy(&self) -> f64 {
-        // Only static increments end avalanches.
-        elastic_energy(&self.program, &self.solution, 1.0)
+        elastic_energy_left(&self.program, &self.solution)
+    }
+
+    /// Work of the loads in the last increment, which was made at constant load, J. Without loads
+    /// it is 0, else the energy ledger has it.
+    fn work(&self) -> Option<f64> {
+        if let Some(ledger) = &self.ledger {
+            return Some(ledger.increment.external + ledger.increment.gravity);
+        }
+        let mut dofs = self.program.bodies.iter().flat_map(|body| &body.dofs);
+        let is_loaded = dofs.any(|dof| matches!(dof, Dof::Free(free) if free.load != 0.0));
+        (!is_loaded).then_some(0.0)
     }
 }
 
@@ -159,4 +214,67 @@ pub(super) fn write_ended(
     let Some((row, bonds)) = Avalanche::follow(&mut current.0, &now) else { return Ok(()) };
     found.see_avalanche(bonds);
     run.tables.avalanches.push(row)
+}
+
+#[cfg(test)]
+mod tests {
+    use clastic_components::body::BodyId;
+    use clastic_components::bond::BondId;
+
+    use super::*;
+
+    fn place_and_extent(places: &[DVec2], cell: Option<&PeriodicCell>) -> (DVec2, f64) {
+        let rupture = |position| Rupture {
+            increment: 1,
+            bond: BondId(0),
+            a: BodyId(0),
+            b: BodyId(1),
+            mode: RuptureMode::Tension,
+            position,
+            normal: DVec2::X,
+            p: -1.0,
+            q: 0.0,
+            tau: 0.0,
+        };
+        let mut avalanche = Avalanche {
+            increment: 1,
+            stage: String::new(),
+            strain: None,
+            first_bond: 0,
+            rounds: 1,
+            broken: [0; 3],
+            stress: None,
+            energy: 0.0,
+            work: None,
+            place: places[0],
+            spread: 0.0,
+        };
+        for place in places {
+            avalanche.add(&rupture(*place), cell);
+        }
+        (avalanche.place, (avalanche.spread / places.len() as f64).sqrt())
+    }
+
+    /// Four bonds at the corners of a rectangle of 2 by 4 cm, about a corner of a sheared cell too.
+    #[test]
+    fn bonds_on_both_sides_of_a_cell_are_near_one_another() {
+        let corners = [(0.01, 0.02), (-0.01, 0.02), (-0.01, -0.02), (0.01, -0.02)];
+        let corners = corners.map(|(x, y)| DVec2::new(x, y));
+        let (place, extent) = place_and_extent(&corners, None);
+        assert!(place.length() < 1e-15 && (extent - 5.0e-4_f64.sqrt()).abs() < 1e-15);
+
+        let cell = PeriodicCell {
+            width: 1.0,
+            height: 0.8,
+            tilt: 0.3,
+            shear: 0.0,
+            stress: [0.0; 3],
+            controls: Default::default(),
+            by_mean: false,
+        };
+        let (place, extent) =
+            place_and_extent(&corners.map(|corner| cell.wrapped(corner)), Some(&cell));
+        assert!((place + cell.shift(place)).length() < 1e-14, "{place}");
+        assert!((extent - 5.0e-4_f64.sqrt()).abs() < 1e-14, "{extent}");
+    }
 }

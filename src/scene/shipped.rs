@@ -14,6 +14,7 @@ macro_rules! files {
 
 /// Every file of `scenes/` by its path in that directory.
 static FILES: &[(&str, &[u8])] = &files! {
+    "acoustic_emission.ron"
     "angle_of_repose.ron"
     "biaxial_0kPa.ron"
     "biaxial_100kPa.ron"

@@ -73,9 +73,21 @@ impl StateOf for NamedState {
 /// theta of it, and its compliances and offsets are divided by theta.
 #[must_use]
 pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution, theta: f64) -> f64 {
+    stored(program, solution, theta, theta < 1.0)
+}
+
+/// Elastic energy that a static increment leaves to the next one, J. Normal forces are those of the
+/// gaps: the part with which associated friction has opened a gap ends with the increment.
+#[must_use]
+pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f64 {
+    stored(program, solution, 1.0, true)
+}
+
+/// `of_gaps`: normal forces follow from the gaps at the end.
+fn stored(program: &ConeProgram, solution: &ConeSolution, theta: f64, of_gaps: bool) -> f64 {
     let interactions = program.interactions.iter().zip(&solution.forces);
     let energies = interactions.map(|(c, &[p, q, tau])| {
-        let p = if theta < 1.0 && c.normal_compliance > 0.0 {
+        let p = if of_gaps && c.normal_compliance > 0.0 {
             let closing = program.kinematics(c, &solution.displacements)[0];
             let p = (closing / theta - c.offset) / c.normal_compliance;
             if c.limits.has_strength() { p } else { p.max(0.0) }

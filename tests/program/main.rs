@@ -8,6 +8,7 @@ mod call;
 mod commands;
 mod compare;
 mod dumps;
+mod emission;
 mod exit_codes;
 mod export;
 mod files;

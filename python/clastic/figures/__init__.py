@@ -11,6 +11,7 @@ of the history       ``stress_strain``, ``volumetric``, ``force_displacement``, 
 of the specimen      ``specimen``, ``bonds``, ``force_chains``, ``stress``, ``fragments``,
                      ``layers``, ``rotation``, ``displacement``, ``shear_strain``,
                      ``volumetric_strain``, ``localisation``
+of the emission      ``emission_sizes``, ``b_value``, ``emission_cycles``, ``foci``
 of directions        ``crack_rose``, ``contact_rose``, ``force_rose``
 ===================  ==========================================================================
 
@@ -18,10 +19,12 @@ Figures of the history take runs, those of the specimen a run with a moment (``a
 """
 
 from .curves import energies, fabric, force_displacement, mohr, stress_strain, volumetric
+from .emission import b_value, emission_cycles, emission_sizes
 from .roses import contact_rose, crack_rose, force_rose
 from .specimen import (
     bonds,
     displacement,
+    foci,
     force_chains,
     fragments,
     layers,
@@ -36,13 +39,17 @@ from .style import WIDTH, close, style
 
 __all__ = [
     "WIDTH",
+    "b_value",
     "bonds",
     "close",
     "contact_rose",
     "crack_rose",
     "displacement",
+    "emission_cycles",
+    "emission_sizes",
     "energies",
     "fabric",
+    "foci",
     "force_chains",
     "force_displacement",
     "force_rose",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..emission import emissions
 from ..frame import Box, Frame
 from ..results import Run
 from .style import MODES, WIDTH, end_of, legend_below, new_axes, prefix, style
@@ -20,6 +21,8 @@ COMPRESSION, TENSION, MEMBRANE = "#14407a", "#d7191c", "#0a7f3f"
 LAYERS = ("#a58cc0", "#c4c4c4")
 #: Width of a crack over the mean radius.
 CRACK = 0.16
+#: Diameter of the circle of the largest emission over the width of the specimen.
+FOCUS = 0.35
 #: Number of coloured layers over the height of the specimen.
 NUMBER_OF_LAYERS = 12
 #: Part of the disks at either end of an axis that may be strays, and their minimum distance from the
@@ -438,6 +441,41 @@ def fragments(
             sheet.sample(FRAGMENTS[0], f"{whole - 1} more fragments", disk=True)
         if alone.any():
             sheet.sample("#ffffff", f"{alone.sum()} disks alone", disk=True)
+        return sheet.end()
+
+
+def foci(run: Run, at: int | str = "peak", *, box: Box | None = None, ax: Axes | None = None) -> Axes:
+    """Places of the emissions on the disks of a moment, the last ones on top. The radius of a circle is
+    in proportion to the cube root of the energy, its colour is the axial strain.
+    """
+    import matplotlib
+    from matplotlib.collections import EllipseCollection
+
+    table = emissions(run)
+    with style():
+        sheet = _Sheet(run.frame(at), box, ax)
+        sheet.disks(facecolors="#f3f1ec")
+        sheet.boundary()
+        energy = table["energy_j"].to_numpy()
+        x0, y0, x1, y1 = sheet.box
+        size = FOCUS * min(x1 - x0, y1 - y0) * np.cbrt(energy / energy.max())
+        circles = EllipseCollection(
+            size,
+            size,
+            np.zeros(len(size)),
+            units="xy",
+            offsets=table[["x_m", "y_m"]].to_numpy(),
+            offset_transform=sheet.ax.transData,
+            array=100.0 * table["axial_strain"].to_numpy(),
+            cmap=matplotlib.colormaps["plasma"],
+            alpha=0.7,
+            edgecolors="#222222",
+            linewidths=0.4,
+            zorder=3,
+        )
+        sheet.ax.add_collection(circles)
+        unit, part = prefix(energy.max(), "J")
+        sheet.bar(circles, f"axial strain (%), largest {energy.max() / part:.3g} {unit}", False, False, None)
         return sheet.end()
 
 
