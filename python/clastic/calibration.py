@@ -2,9 +2,10 @@
 
 Most of a calibration is similarity, which takes no search: in statics without gravity a modulus follows all
 stiffnesses, and a strength all strengths of bonds, each by one factor. Runs seek the ratios that are left, such as
-k_t/k_n. Four rules keep their number small:
+k_t/k_n. Five rules keep their number small:
 
 - A ratio is fitted with those tests alone that it acts on, tests of few ratios first: k_t/k_n with an elastic test.
+- A test that the first difference of a ratio has not changed is not repeated for it until all seeds verify.
 - Gauss-Newton steps need differences once. Afterwards every run improves the derivatives (Broyden's update).
 - The first seed alone is searched, with the distance of all seeds from it at the start of a fit. All seeds verify
   what is found.
@@ -42,6 +43,8 @@ SEARCHES = 4
 #: shortest. Results jump where another bond breaks first, so that the derivatives of a step have half their weight
 #: where it is as long as JUMPS, and less where it is shorter.
 DIFFERENCE, MAXIMUM, MINIMUM, JUMPS = 0.15, 0.25, 0.005, 0.04
+#: Relative change of a result below which a ratio does not act on its test.
+SAME = 1e-3
 
 
 @dataclass
@@ -83,6 +86,9 @@ class _Search:
     offsets: list[Any] = field(default_factory=list)
     rows: dict[Path, dict[str, Any]] = field(default_factory=dict)
     found: dict[Path, Run | None] = field(default_factory=dict)
+    #: Tests and names of ratios that do not act on them, and the ratios with which such tests were made.
+    idle: set[tuple[str, str]] = field(default_factory=set)
+    held: dict[str, float] = field(default_factory=dict)
     #: Latest runs by test and seed.
     last: dict[tuple[str, int | None], Run | None] = field(default_factory=dict)
 
@@ -101,16 +107,25 @@ class _Search:
         scaled = {p.name: p.start * scale(p.scales, self.factors) for p in self.parameters if p.scales}
         return {p.name: (found | scaled)[p.name] for p in self.parameters}
 
-    def results(self, parts: np.ndarray, chosen: Sequence[int], seeds: Sequence[int | None]) -> list[list]:
-        """What the chosen targets measure, by target and seed; NaN where a run failed."""
-        values = self.values(parts)
+    def results(
+        self, parts: np.ndarray, chosen: Sequence[int], seeds: Sequence[int | None], searching: bool = False
+    ) -> list[list]:
+        """What the chosen targets measure, by target and seed; NaN where a run failed. A search keeps the ratios
+        that do not act on a test.
+        """
+        every = self.values(parts)
+
+        def values(test: str) -> dict[str, float]:
+            keeps = {name for of, name in self.idle if of == test} if searching else ()
+            return every | {name: self.held[name] for name in keeps}
+
         tests = [name for name in self.tests if any(name in self.targets[i].tests for i in chosen)]
         work = [(test, seed) for test in tests for seed in seeds]
         with ThreadPoolExecutor(self.jobs or os.cpu_count()) as pool, warnings.catch_warnings():
             # Doubts are in the column `marks`.
             warnings.simplefilter("ignore", RunWarning)
             specimens = dict(zip(seeds, pool.map(self.specimen, seeds)))
-            runs = dict(zip(work, pool.map(lambda w: self.test(*w, values, specimens[w[1]]), work)))
+            runs = dict(zip(work, pool.map(lambda w: self.test(*w, values(w[0]), specimens[w[1]]), work)))
         self.last = runs
         measured = []
         for target in (self.targets[i] for i in chosen):
@@ -203,8 +218,8 @@ class _Search:
 
     def trial(self, parts: np.ndarray, chosen: Sequence[int]) -> np.ndarray:
         """Errors of the chosen targets at the first seed, with the factors that suit them best."""
-        measured = self.results(parts, chosen, self.seeds[:1])
-        return np.concatenate(self.errors(measured, chosen, self.similar(measured, chosen)))
+        self.measured = self.results(parts, chosen, self.seeds[:1], searching=True)
+        return np.concatenate(self.errors(self.measured, chosen, self.similar(self.measured, chosen)))
 
     def compare(self, parts: np.ndarray, chosen: Sequence[int]) -> None:
         """Finds by what the errors of all seeds differ from those of the first."""
@@ -246,11 +261,13 @@ class _Search:
         """Gauss-Newton steps of the free parameters within a box, which shrinks where a step fails."""
         from scipy.optimize import lsq_linear
 
+        self.held = self.values(parts)
         error = self.trial(parts, chosen)
         box = MAXIMUM
         while free and np.linalg.norm(error) > goal and box > MINIMUM and self.made < most:
             if slopes is None:
-                slopes = np.column_stack([self.slope(parts, i, chosen, error) for i in free])
+                start = self.measured
+                slopes = np.column_stack([self.slope(parts, i, chosen, error, start) for i in free])
             here = parts[free]
             low, high = np.maximum(-box, -here), np.minimum(box, 1.0 - here)
             step = lsq_linear(slopes, -error, (low - 1e-12, high + 1e-12)).x
@@ -268,9 +285,22 @@ class _Search:
                 box = 0.5 * np.abs(step).max()
         return parts, slopes
 
-    def slope(self, parts: np.ndarray, i: int, chosen: list[int], error: np.ndarray) -> np.ndarray:
+    def learn(self, ratio: str, chosen: list[int], start: list[list]) -> None:
+        """Remembers the tests whose results are those of the start, although the ratio is another."""
+        acts = {
+            test
+            for k, old, new in zip(chosen, start, self.measured)
+            if np.shape(old[0]) != np.shape(new[0]) or not np.allclose(old[0], new[0], rtol=SAME, atol=0.0)
+            for test in self.targets[k].tests
+        }
+        every = {test for k in chosen for test in self.targets[k].tests}
+        self.idle |= {(test, ratio) for test in every - acts}
+
+    def slope(
+        self, parts: np.ndarray, i: int, chosen: list[int], error: np.ndarray, start: list[list]
+    ) -> np.ndarray:
         """Derivative of the errors by a parameter, by a difference to the side that has more room, or else to
-        the other; zero where both runs fail.
+        the other; zero where both runs fail. ``start`` is what the errors were measured from.
         """
         inward = DIFFERENCE if parts[i] < 0.5 else -DIFFERENCE
         for step in (inward, -inward):
@@ -279,6 +309,7 @@ class _Search:
             if there[i] != parts[i]:
                 slope = (self.trial(there, chosen) - error) / (there[i] - parts[i])
                 if np.isfinite(slope).all():
+                    self.learn(self.sought[i].name, chosen, start)
                     return slope
         return np.zeros_like(error)
 

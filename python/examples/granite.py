@@ -27,9 +27,10 @@ TENSION = 8.0
 
 
 def hoek_brown(confining, axial):
-    """m_i of (sigma_1 - sigma_3)^2 = sigma_ci^2 + m_i sigma_ci sigma_3, by least squares."""
-    slope, square = np.polyfit(confining, (np.asarray(axial) - confining) ** 2, 1)
-    return slope / np.sqrt(square)
+    """m_i of (sigma_1 - sigma_3)^2 = sigma_ci^2 + m_i sigma_ci sigma_3, by least squares. The first pair is unconfined."""
+    confining, axial = np.asarray(confining, float), np.asarray(axial, float)
+    squares = (axial - confining) ** 2 - axial[0] ** 2
+    return confining @ squares / (axial[0] * confining @ confining)
 
 
 root = Path(__file__).parents[2]
@@ -42,12 +43,9 @@ of = {name: rows for name, rows in strength.groupby("scene")}
 compression = of["compression"].assign(confining=lambda rows: rows.confining / 1e6)
 by_confining = {s: rows.strength.to_numpy() for s, rows in compression.groupby("confining")}
 unconfined = compression[compression.confining == 0.0]
-m_i = [
-    hoek_brown(rows.confining, rows.strength) for _, rows in compression.groupby("seed")
-]
-measured_m_i = hoek_brown(
-    np.array([0.0, *CONFINED]), np.array([UNCONFINED.mean(), *CONFINED.values()])
-)
+by_packing = compression.sort_values("confining").groupby("seed")
+m_i = [hoek_brown(rows.confining, rows.strength) for _, rows in by_packing]
+measured_m_i = hoek_brown([0.0, *CONFINED], [UNCONFINED.mean(), *CONFINED.values()])
 
 
 def line(name, measured, found, fitted=False):

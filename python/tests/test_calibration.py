@@ -183,6 +183,9 @@ def test_four_properties_of_a_rock_take_less_than_forty_runs(
     # What does not act on a test does not repeat it.
     elastic = found.runs[found.runs["test"] == "elastic"]
     assert not elastic.duplicated(["seed", "stiffness", "shear"]).any()
+    # Nor does a ratio that turns out not to act: of the ratio of the strengths tension has the difference alone.
+    ratios = {test: rows["cohesion"].nunique() for test, rows in found.runs.groupby("test")}
+    assert ratios["tension"] < ratios["compression"]
     # The targets of the table are the means of its last runs.
     last = found.runs[
         (found.runs["test"] == "tension") & (found.runs["tensile"] == found.parameters["tensile"])
