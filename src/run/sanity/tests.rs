@@ -133,6 +133,9 @@ fn lines_have_three_digits() {
     assert_eq!(report.line(), line);
 }
 
+/// The right wall of `uniaxial_small` for ten columns of 1.2 mm.
+const RIGHT: [&str; 2] = ["walls.right.start=(12.0e-3, 0.0)", "walls.right.end=(12.0e-3, 54.0e-3)"];
+
 #[test]
 fn ten_diameters_across_a_rock_are_no_false_alarm_and_eight_warn() {
     let of = |sets: &[&str]| {
@@ -140,7 +143,8 @@ fn ten_diameters_across_a_rock_are_no_false_alarm_and_eight_warn() {
         let sets: Vec<_> = sets.iter().map(|set| (*set).to_owned()).collect();
         before(&crate::scene::load(&path, &sets).unwrap_or_else(|e| panic!("{e}")).scene, None)
     };
-    let report = of(&["specimen.columns=10"]);
+    let wide = ["specimen.columns=10", "specimen.origin=(0.0, 0.0)", RIGHT[0], RIGHT[1]];
+    let report = of(&wide);
     let few = |report: &Report| report.warnings.iter().any(|w| w.contains("largest disks"));
     // 12 mm of at most 1.2 mm.
     assert!(report.disks_across.unwrap() >= 10.0, "{report:?}");
@@ -154,7 +158,9 @@ fn ten_diameters_across_a_rock_are_no_false_alarm_and_eight_warn() {
 #[test]
 fn a_low_packing_counts_the_height_that_its_compaction_leaves() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_small.ron");
-    let sets = ["specimen.count=60", "specimen.columns=10"].map(str::to_owned);
+    let wide = ["specimen.columns=10", "specimen.origin=(0.0, 0.0)", RIGHT[0], RIGHT[1]];
+    let sets = [&wide[..], &["specimen.count=60"]].concat().into_iter().map(str::to_owned);
+    let sets: Vec<_> = sets.collect();
     let scene = crate::scene::load(&path, &sets).unwrap_or_else(|e| panic!("{e}")).scene;
     let seeds = crate::run::minerals::specimen(&scene, None);
     let area: f64 = seeds.iter().map(|s| std::f64::consts::PI * s.radius * s.radius).sum();

@@ -373,7 +373,7 @@ fn walls() {
         (TOP, r#"(name: "top", start: (5.0, 2.0), end: (-5.0, 2.0), contact: (friction: -1.0))"#,
          "16:80: walls[1].contact.friction: negative (-1.0); give a coefficient of 0 or more"),
         (TOP, r#"(nmae: "top", start: (5.0, 2.0), end: (-5.0, NaN))"#,
-         "16:10: walls[1].nmae: unknown field `nmae`; did you mean `name`? the fields here are `name`, `start`, `end`, `shape`, `contact`, `bond`, `present`, `probe`
+         "16:10: walls[1].nmae: unknown field `nmae`; did you mean `name`? the fields here are `name`, `start`, `end`, `shape`, `contact`, `bond`, `present`, `touching`, `probe`
 16:54: walls[1].end[1]: not finite (NaN); give a place in m"),
         (TOP, "(start: (5.0, 2.0), end: (-5.0, 2.0))",
          "16:9: walls[1].name: missing field `name`; add `name: ...`"),
