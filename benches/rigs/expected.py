@@ -10,7 +10,7 @@ G = 9.81
 # Standard deviations of one specimen, over the seeds 501 to 512 of `scatter.py`, which no run here
 # has. A law holds for the mean; one specimen is expected within two deviations of it.
 DEVIATION = {
-    "K_0": 0.030, "K_a": 0.086, "K_p": 0.32, "K_a K_p": 0.26, "stress ratio": 0.30, "splitting": 0.38,
+    "K_0": 0.030, "K_a": 0.086, "K_p": 0.32, "K_a K_p": 0.26, "stress ratio": 0.30, "splitting": 0.38, "tension": 0.053,
 }
 
 
@@ -107,8 +107,8 @@ def direct_tension(run, _):
         # Disks that all follow the mean strain have z (1 - n) k/pi = 25 GPa where k_n = k_t = k, with z = 4.7 bonds
         # a disk and the porosity n = 0.163; those of a random packing yield by a fifth to a quarter.
         figure("E, GPa", number(first, "axial_stress_pa") / number(first, "axial_strain") / 1e9, 18.0, 25.0),
-        # A row whose bonds all break at once has 1.
-        figure("peak over sigma_t", peak, 0.35, 1.0),
+        # Of a row whose bonds do not break at once: 0.51 in the mean (`scatter.py`).
+        of_specimen("peak over sigma_t", peak, 0.45, 0.55, "tension"),
         figure("stress at the end over the peak", -number(pull[-1], "axial_stress_pa") / 10e6 / peak, -0.1, 0.5),
     ]
 
@@ -121,10 +121,11 @@ def brazilian(run, _):
     share = number(last, "broken_tension") / max(1.0, sum(number(last, c) for c in BROKEN))
     return [
         figure("forces of the jaws apart", max(abs(a + b) for a, b in forces) / most, 0, 1e-6),
-        # Direct tension, 5.14 MPa in the mean (`scatter.py`), is 0.7 of it in sedimentary rocks (Perras and
-        # Diederichs 2014, Geotech. Geol. Eng. 32, 525-546), and equal where the middle alone decides.
+        # Direct tension, 5.14 MPa in the mean (`scatter.py`), is 0.7 to 0.9 of it (Perras and
+        # Diederichs 2014, Geotech. Geol. Eng. 32, 525-546).
         of_specimen(
-            "splitting stress, MPa", max(column(press, "axial_stress_pa")) / 1e6, 5.14, 5.14 / 0.7, "splitting",
+            "splitting stress, MPa", max(column(press, "axial_stress_pa")) / 1e6, 5.14 / 0.9, 5.14 / 0.7,
+            "splitting",
         ),
         figure("share of tension in ruptures", share, 0.5, 1.0),
     ]

@@ -19,10 +19,12 @@ from __future__ import annotations
 import hashlib
 import os
 import warnings
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
+from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -91,6 +93,8 @@ class _Search:
     held: dict[str, float] = field(default_factory=dict)
     #: Latest runs by test and seed.
     last: dict[tuple[str, int | None], Run | None] = field(default_factory=dict)
+    #: One for each folder, so that tests of one text make one run.
+    locks: defaultdict[Path, Lock] = field(default_factory=lambda: defaultdict(Lock))
 
     def __post_init__(self) -> None:
         self.sought = [p for p in self.parameters if p.scales is None]
@@ -168,8 +172,11 @@ class _Search:
         # The directory may be moved, and its runs stay what they are.
         text = check(scene, settings)["text"].replace(str(self.out), "")
         folder = self.out / hashlib.sha256(f"{_engine.__version__}\n{text}".encode()).hexdigest()[:16]
-        if folder in self.rows:
-            return self.found[folder]
+        with self.locks[folder]:
+            return self.found[folder] if folder in self.rows else self.make(row, folder, scene, settings)
+
+    def make(self, row: dict[str, Any], folder: Path, scene: Scene, settings: Settings) -> Run | None:
+        """The run of a folder, and its row."""
         ended = ("completed", "collapsed", "undecided", "refused")
         there = (folder / "run.json").exists() and Run(folder).status in ended
         done = Run(folder) if there else run(scene, settings, folder, force=True, threads=1, progress=False)
@@ -354,7 +361,7 @@ def calibrate(
     tolerance
         Relative error within which a target counts as reached.
     max_runs
-        Number of runs after which no other search begins.
+        Number of runs after which no other step is made.
     out
         Directory of the runs, which have the names of hashes of their scenes: what is there already
         is not run again.
@@ -381,6 +388,11 @@ def calibrate(
             raise ValueError(f"the parameter {p.name} names no test: `{unknown[0]}`")
     if not targets or not parameters:
         raise ValueError("give targets and parameters")
+    names = [p.name for p in parameters]
+    if twice := [name for name in names if names.count(name) > 1]:
+        raise ValueError(f"two parameters are named {twice[0]}")
+    if not tolerance > 0.0:
+        raise ValueError(f"tolerance is {tolerance!r}; give a relative error above 0")
     search = _Search(
         {name: pair(scene) for name, scene in tests.items()},
         targets,
@@ -423,6 +435,8 @@ def calibrate(
             break
         if len(search.rows) == before:
             break
+    else:
+        message = f"{SEARCHES} searches were made"
     worst, values, measured = best
     ends = [p.name for p in search.sought if not MINIMUM < p.part(values[p.name]) < 1.0 - MINIMUM]
     if worst > 1.0 and ends:

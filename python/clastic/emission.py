@@ -140,19 +140,23 @@ class PowerLaw:
     def p_value(self, repeats: int = 200, seed: int = 0) -> float:
         """Share of samples of this law that a law describes no better than the values (Clauset, Shalizi
         and Newman 2009, 4.1); below 0.1 a power law is implausible. Samples have as many values below
-        the cut-off, drawn from those that there are, and their cut-off is sought if this one was.
+        the cut-off, drawn from those that there are, and their cut-off is sought if this one was. One
+        whose values are all the same has no law and does not count; not a number if none counts.
         """
         random = np.random.default_rng(seed)
         below = self.values[self.values < self.minimum]
-        worse = 0
+        distances = []
         for _ in range(repeats):
             n = random.binomial(len(self.values), len(self.above) / len(self.values))
             drawn = [self.sample(n, random)]
             if len(below):
                 drawn.append(random.choice(below, len(self.values) - n))
-            again = power_law(np.concatenate(drawn), None if self.sought else self.minimum)
-            worse += again.distance >= self.distance
-        return worse / repeats
+            try:
+                again = power_law(np.concatenate(drawn), None if self.sought else self.minimum)
+            except ValueError:
+                continue
+            distances.append(again.distance)
+        return float(np.mean(np.array(distances) >= self.distance)) if distances else np.nan
 
 
 def _tail(exponent: float, x: np.ndarray, minimum: float, is_discrete: bool) -> np.ndarray:
@@ -229,7 +233,7 @@ def _fit(values: np.ndarray, minimum: float, sought: bool) -> PowerLaw:
     return PowerLaw(float(exponent), float(minimum), float(distance), values, sought)
 
 
-def b_values(table: pandas.DataFrame, minimum: float, window: int = 50) -> pandas.DataFrame:
+def b_values(table: pandas.DataFrame, minimum: float, window: int = 25) -> pandas.DataFrame:
     """b against strain: of every ``window`` consecutive emissions of at least ``minimum`` (J) in a table
     of :func:`emissions`, each half a window after the one before. By the estimator of Aki (1965),
     b = log10(e)/(mean of M - M of the cut-off), with the bounds of :func:`power_law`.
@@ -260,7 +264,8 @@ def b_values(table: pandas.DataFrame, minimum: float, window: int = 50) -> panda
 
 def cycles(run: Run) -> pandas.DataFrame:
     """Loadings of a test that is unloaded and loaded again, for the Kaiser effect. A loading ends where
-    the axial strain begins to fall by more than 2 % of its range.
+    the axial strain begins to fall by more than 2 % of its range. In a test in tension, whose strain is
+    negative where it is largest, strains and stresses are those of tension.
 
     Returns a row per loading: ``increment_from``, ``increment_to``, ``borne_pa`` (the largest stress
     before it; not a number in the first), ``highest_pa`` (its own), ``emissions``, ``energy_j``, of these
@@ -280,9 +285,11 @@ def cycles(run: Run) -> pandas.DataFrame:
     if len(rows) == 0:
         raise ValueError(f"{run.path}: no row has an axial strain and stress; the scene must measure them")
     strain, stress, increment = (rows[c].to_numpy() for c in ("axial_strain", "axial_stress_pa", "increment"))
-    ends = [0, *_turns(strain), len(strain) - 1]
     table = emissions(run)
     at, before, energy = (table[c].to_numpy() for c in ("increment", "axial_stress_before_pa", "energy_j"))
+    sign = np.sign(strain[np.abs(strain).argmax()]) or 1.0
+    strain, stress, before = sign * strain, sign * stress, sign * before
+    ends = [0, *_turns(strain), len(strain) - 1]
     loadings = []
     for start, end, last in zip(ends[::2], ends[1::2], [*ends[2::2], len(strain) - 1]):
         first = increment[start] if start else -1

@@ -69,6 +69,10 @@ class Parameter:
         _check_scales(self.name, self.scales)
         if self.scales is None and (self.low is None or self.high is None or not self.low < self.high):
             raise ValueError(f"{self.name}: give low and high, between which it is sought")
+        if self.scales is None and not self.low <= self.start <= self.high:
+            raise ValueError(f"{self.name}: start {self.start!r} is not between {self.low!r} and {self.high!r}")
+        if self.scales is not None and not self.start > 0.0:
+            raise ValueError(f"{self.name}: start is {self.start!r}; a factor needs a value above 0")
 
     def paths_of(self, test: str) -> Sequence[str]:
         """Fields of the scene of a test that have its value."""
@@ -118,6 +122,11 @@ class Target:
 
     def __post_init__(self) -> None:
         _check_scales(f"target {self.name}", self.scales)
+        if not (np.isfinite(self.value) and self.value != 0.0 and self.weight > 0.0):
+            raise ValueError(
+                f"target {self.name}: value {self.value!r} and weight {self.weight!r}; the error is relative: give "
+                "a value that is not 0, and a weight above 0"
+            )
         if isinstance(self.result, str) and len(self.tests) != 1:
             raise ValueError(f"target {self.name}: a key result has one test; give a function of several")
 

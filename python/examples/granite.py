@@ -2,7 +2,7 @@
 
     python granite.py [DIRECTORY of a finished `clastic sweep studies/granite.ron`]
 
-Without a directory it makes the study, 35 runs, in some ten minutes on two cores. It prints a table and draws the
+Without a directory it makes the study, 35 runs, in some four minutes of one core. It prints a table and draws the
 strengths against the confining stress into `granite.png`.
 """
 
@@ -26,7 +26,7 @@ CONFINED = {20.0: 424.9, 50.0: 649.0, 75.0: 779.1, 100.0: 899.3}
 TENSION = 8.0
 
 
-def hoek_brown(confining, axial):
+def m_i_through_unconfined(confining, axial):
     """m_i of (sigma_1 - sigma_3)^2 = sigma_ci^2 + m_i sigma_ci sigma_3, by least squares. The first pair is unconfined."""
     confining, axial = np.asarray(confining, float), np.asarray(axial, float)
     squares = (axial - confining) ** 2 - axial[0] ** 2
@@ -44,8 +44,8 @@ compression = of["compression"].assign(confining=lambda rows: rows.confining / 1
 by_confining = {s: rows.strength.to_numpy() for s, rows in compression.groupby("confining")}
 unconfined = compression[compression.confining == 0.0]
 by_packing = compression.sort_values("confining").groupby("seed")
-m_i = [hoek_brown(rows.confining, rows.strength) for _, rows in by_packing]
-measured_m_i = hoek_brown([0.0, *CONFINED], [UNCONFINED.mean(), *CONFINED.values()])
+m_i = [m_i_through_unconfined(rows.confining, rows.strength) for _, rows in by_packing]
+measured_m_i = m_i_through_unconfined([0.0, *CONFINED], [UNCONFINED.mean(), *CONFINED.values()])
 
 
 def line(name, measured, found, fitted=False):

@@ -56,6 +56,12 @@ def test_a_calibration_needs_few_runs_where_similarity_suffices(tmp_path: Path) 
         Target(["compression", "tension"], "peak_stress_pa", 1.0)
     with pytest.raises(ValueError, match="give low and high"):
         Parameter("friction", ["let.friction"], 0.5)
+    with pytest.raises(ValueError, match="start 2.0 is not between 0.1 and 1.0"):
+        Parameter("friction", ["let.friction"], 2.0, low=0.1, high=1.0)
+    with pytest.raises(ValueError, match="give a value that is not 0"):
+        Target("compression", "peak_stress_pa", 0.0)
+    with pytest.raises(ValueError, match="two parameters are named"):
+        clastic.calibrate(tests, targets, [*parameters, parameters[0]], out=tmp_path)
     with pytest.raises(ValueError, match="is no key result of compression; did you mean 'peak_stress_pa'"):
         clastic.calibrate(tests, [Target("compression", "peak_stres_pa", 1.0)], parameters, out=tmp_path)
     failed = clastic.calibrate(

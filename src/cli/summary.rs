@@ -217,13 +217,7 @@ fn stage(end: &StageEnd) -> Option<String> {
     let stop = end.stop.as_ref().filter(|_| end.ended_by == Some(EndedBy::Stop));
     let stage = label(stage);
     let jammed = end.jammed_at.map(|porosity| {
-        let unproved = match end.ended_by {
-            Some(EndedBy::Undecided) => ", without a proof that it cannot be denser",
-            _ => "",
-        };
-        format!(
-            "stage {stage}: jammed at a porosity of {porosity:.4} after {increments} {n}{unproved}"
-        )
+        format!("stage {stage}: jammed at a porosity of {porosity:.4} after {increments} {n}")
     });
     jammed.or_else(|| {
         stop.map(|stop| format!("stage {stage}: stopped by {stop:?} after {increments} {n}"))

@@ -9,6 +9,7 @@ use clastic_components::body::{BodyId, BodyOrigin, BodyPosition};
 use clastic_components::bond::Bond;
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::increment::ClasticProgress;
+use clastic_components::measure::StrainReference;
 use clastic_components::particle::Particle;
 
 use crate::scene::format as scene;
@@ -96,7 +97,7 @@ pub fn compact(world: &mut World, disks: f64, porosity: f64, step: f64) -> Optio
 /// touches nothing from then on.
 pub fn open(world: &mut World) {
     let Some(cell) = world.remove_resource::<PeriodicCell>() else { return };
-    let mut places = BTreeMap::new();
+    let (mut places, mut shifts) = (BTreeMap::new(), BTreeMap::new());
     let mut particles =
         world.query_filtered::<(&BodyId, &mut BodyPosition, &mut BodyOrigin), With<Particle>>();
     for (id, mut place, mut origin) in particles.iter_mut(world) {
@@ -105,6 +106,13 @@ pub fn open(world: &mut World) {
         place.0 += by;
         origin.0 += by;
         places.insert(*id, place.0);
+        shifts.insert(*id, by);
+    }
+    // Strains of regions refer to these places.
+    if let Some(mut start) = world.get_resource_mut::<StrainReference>() {
+        for (id, place) in &mut start.0 {
+            *place += shifts.get(id).copied().unwrap_or_default();
+        }
     }
     let mut bonds = world.query::<(Entity, &Bond)>();
     let crosses = |bond: &Bond| {

@@ -9,21 +9,20 @@ use clastic_systems::stepping::{IncrementDue, IncrementUndone};
 
 use super::before::Before;
 use super::compact::reached;
-use super::script::{EndedBy, Script};
+use super::script::Script;
 use crate::scene::format::{Compact, CompactTarget, Stage};
 
 /// Ends a compaction to [`CompactTarget::Jammed`] where even the smallest part of an increment has
-/// no solution. Mostly this is proved; at the limit of what is possible there may be neither a
-/// solution nor a proof, which the end of the stage says. This increment has committed nothing, and
-/// leaves no trace. Whether it has ended the stage.
+/// been proved to be impossible. This increment has committed nothing, and leaves no trace. Whether
+/// it has done so.
 pub(super) fn ends(world: &mut World, stage: &Stage) -> bool {
     let Stage::Compact(stage @ Compact { target: CompactTarget::Jammed, .. }) = stage else {
         return false;
     };
-    if world.resource::<Attempt>().status != IncrementStatus::Undecided {
+    let is_undecided = world.resource::<Attempt>().status == IncrementStatus::Undecided;
+    if !is_undecided || world.resource::<ConeSolution>().status != SolveStatus::Locked {
         return false;
     }
-    let is_proved = world.resource::<ConeSolution>().status == SolveStatus::Locked;
     let Before { progress, observation, readings, .. } = world.resource::<Before>().clone();
     world.insert_resource(ClasticProgress { done: progress.total, ..progress });
     world.insert_resource(observation);
@@ -31,7 +30,6 @@ pub(super) fn ends(world: &mut World, stage: &Stage) -> bool {
     let porosity = reached(world, stage).map(|reached| reached.porosity);
     if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
         end.jammed_at = porosity;
-        end.ended_by = (!is_proved).then_some(EndedBy::Undecided);
     }
     world.insert_resource(IncrementDue(false));
     world.insert_resource(IncrementUndone(true));

@@ -71,7 +71,9 @@ pub fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<Str
 /// particle is not clear.
 pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     let catalogue = world.get_resource::<WallCatalogue>()?;
-    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.shape.is_line();
+    let comes = |wall: &&scene::Wall| {
+        stage.add_walls.contains(&wall.name) && !wall.shape.is_line() && !wall.touching
+    };
     let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
     let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
     let cut = |wall: &scene::Wall| {
@@ -105,7 +107,7 @@ pub fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
 /// The stage is refused, because it would push them through the wall in one increment.
 pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
     let catalogue = world.get_resource::<WallCatalogue>()?;
-    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name);
+    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.touching;
     let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
     let mut particles = world.query::<(&Particle, &BodyPosition)>();
     let (wall, behind) = walls.iter().find_map(|wall| {

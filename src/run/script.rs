@@ -68,8 +68,7 @@ pub struct StageEnd {
     pub stop: Option<Stop>,
     /// The measure of an `Until` that has passed its value by more than the tolerance.
     pub passed: Option<f64>,
-    /// Porosity of the packing that a compaction has left jammed. With [`EndedBy::Undecided`] there
-    /// is no proof that it cannot be denser.
+    /// Porosity of the packing that a compaction has left jammed.
     pub jammed_at: Option<f64>,
 }
 

@@ -6,8 +6,9 @@ use glam::DVec2;
 
 use clastic_components::body::BodyPosition;
 use clastic_components::particle::Particle;
+use clastic_components::wall_shape::WallShape;
 
-use super::wall_pieces::{moved, pieces};
+use super::wall_pieces::{Piece, moved, pieces};
 use crate::scene::format as scene;
 
 /// Gap at which a wall touches a particle, over the radius of the particle.
@@ -41,11 +42,13 @@ fn travel(wall: &scene::Wall, disks: &[(DVec2, f64)]) -> Option<DVec2> {
         });
         gaps.min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    // Beyond all disks on either side, wherever the wall is drawn.
-    let reach = |(x, radius): &(DVec2, f64)| x.distance(start).max(x.distance(end)) + radius;
-    let far = disks.iter().map(reach).max_by(f64::total_cmp)? + start.distance(end);
-    let mut travel = -2.0 * far;
-    while travel < far {
+    // From a place where no part of the wall reaches the lowest disk, to one beyond the highest.
+    let along = |x: DVec2| x.dot(inward);
+    let (wall_low, wall_high) =
+        ends(pieces.iter().map(|piece| (along(piece.position), reach(piece))))?;
+    let (low, high) = ends(disks.iter().map(|(x, radius)| (along(*x), *radius)))?;
+    let mut travel = low - wall_high - (high - low);
+    while travel <= high - wall_low {
         let (gap, radius) = gap(travel)?;
         if gap <= TOUCHES * radius {
             return Some(travel * inward);
@@ -53,6 +56,22 @@ fn travel(wall: &scene::Wall, disks: &[(DVec2, f64)]) -> Option<DVec2> {
         travel += gap;
     }
     None
+}
+
+/// Lowest and highest of some points, each with a reach about it, m.
+fn ends(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    let spans = points.map(|(at, reach)| (at - reach, at + reach));
+    spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
+}
+
+/// Maximum distance of a part of the piece from its position, m. The drawn part of a line touches
+/// like the rest of it, which is all at the same height.
+fn reach(piece: &Piece) -> f64 {
+    match piece.shape {
+        WallShape::Line => 0.0,
+        WallShape::Segment => piece.wall.half_length,
+        WallShape::Arc { radius, .. } => 2.0 * radius,
+    }
 }
 
 #[cfg(test)]
@@ -103,6 +122,15 @@ mod tests {
         let by = travel(&segment, &DISKS[..1]).unwrap();
         // At x = -0.6 the unit circle is at y = -0.8.
         assert!((-9.0 + by.y + 0.8).abs() < 1e-7, "{by}");
+    }
+
+    /// A deep bell above the disks comes down over them until it touches the highest.
+    #[test]
+    fn a_deep_polyline_touches_with_its_roof() {
+        let shape = scene::WallShape::Polyline(vec![(20.0, 90.0), (-20.0, 90.0)]);
+        let bell = wall((20.0, 10.0), (-20.0, 10.0), shape);
+        let by = travel(&bell, &DISKS).unwrap();
+        assert!((90.0 + by.y - 1.0).abs() < 1e-8, "{by}");
     }
 
     /// A hollow jaw whose radius is greater than that of the disk touches it in the middle.

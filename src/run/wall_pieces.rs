@@ -49,11 +49,12 @@ pub fn pieces(wall: &scene::Wall) -> Vec<Piece> {
 /// comes, over its radius. The side of a closer particle is not clear.
 pub const CUT: f64 = 0.5;
 
-/// Whether a thin wall cuts through a disk, where it is drawn. One that comes at the outermost
-/// particles cuts through none.
+/// Whether a thin wall cuts through a disk, where it is drawn. One that is yet to come at the
+/// outermost particles cuts through none.
 #[must_use]
 pub fn is_cut(wall: &scene::Wall, place: DVec2, radius: f64) -> bool {
-    !(wall.touching || wall.shape.is_line())
+    wall.is_placed()
+        && !wall.shape.is_line()
         && pieces(wall).iter().any(|piece| {
             let Wall { half_length, .. } = piece.wall;
             let near =

@@ -118,7 +118,7 @@ fn an_avalanche_of_two_bonds_lies_half_way_between_them() {
 }
 
 /// What an emission releases is what bonds, friction, motions and the scheme take by the ledger, up
-/// to half of a per cent: its elastic energy is that of the true geometry. And the Kaiser effect:
+/// to a per cent: its elastic energy is that of the true geometry. And the Kaiser effect:
 /// rock emits nothing while it is unloaded, and when it is loaded again nothing before the largest
 /// stress that it has borne.
 #[test]

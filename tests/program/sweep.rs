@@ -179,8 +179,9 @@ fn a_jacket_does_not_stiffen_the_shipped_granite() {
         scenes: { "tension": "granite_tension.ron", "compression": "granite_compression.ron" },
         prepare: (scene: "granite_packing.ron", state: "packed", set: ["let.seed=4"]),
         // No bond breaks in the first two increments.
-        set: ["stages.load.increments=2", "let.step=1.0e-8"],
-        runs: Grid({ "scene": ["tension", "compression"] }),
+        set: ["stages.load.increments=2", "let.step=1.0e-7"],
+        settings: { "confining": ["let.confining"] },
+        runs: List([{ "scene": "tension" }, { "scene": "compression", "confining": 10.0e6 }]),
     )"#;
     fs::write(folder.path().join("study.ron"), study).unwrap();
     assert!(sweep(folder.path(), &[]).status().unwrap().success());
@@ -189,7 +190,8 @@ fn a_jacket_does_not_stiffen_the_shipped_granite() {
     let header = lines.next().unwrap();
     let at = header.iter().position(|name| *name == "youngs_modulus_pa").unwrap();
     let moduli: Vec<f64> = lines.map(|row| row[at].parse().unwrap()).collect();
-    assert!((moduli[0] / moduli[1] - 1.0).abs() < 1e-6, "{text}");
+    // Gaps that the pressure closes add contacts: 10 MPa is 2e-4 of the modulus.
+    assert!((moduli[0] / moduli[1] - 1.0).abs() < 5e-3, "{text}");
 }
 
 #[test]

@@ -43,7 +43,7 @@ def _words(law: PowerLaw) -> str:
     return f"exponent {law.exponent:.2f} ({low:.2f} to {high:.2f}), {len(law.above)} values"
 
 
-def b_value(*runs: Run, minimum: float | None = None, window: int = 50, ax: Axes | None = None) -> Axes:
+def b_value(*runs: Run, minimum: float | None = None, window: int = 25, ax: Axes | None = None) -> Axes:
     """b of the emissions of all runs against axial strain, in windows that overlap by half
     (:func:`clastic.emission.b_values`): a step over the strains of every window, and its 95 % interval.
     Without ``minimum`` (J), the cut-off is that of the power law of all.

@@ -7,7 +7,7 @@ use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::scene::format::{
     Analysis, Cell, CellStrain, CellTarget, Compact, CompactBy, CompactTarget, LidLoad, Load,
-    Scene, Specimen, Stage, Strain, Table, Wall, WallControl,
+    Scene, Select, Specimen, Stage, Strain, Table, Wall, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
@@ -178,6 +178,23 @@ fn compaction(scene: &Scene) -> Option<&Compact> {
     })
 }
 
+/// Width and height of what a cut leaves, if its selection is all but a box or a circle.
+fn left(cut: &Select) -> Option<(f64, f64)> {
+    let size = |of: &Select| match of {
+        Select::Box { min, max } => Some((max.0 - min.0, max.1 - min.1)),
+        Select::Circle { radius, .. } => Some((2.0 * radius, 2.0 * radius)),
+        _ => None,
+    };
+    match cut {
+        Select::Except(all, kept) if **all == Select::All => match &**kept {
+            Select::Intersection(list) => list.iter().find_map(size),
+            one => size(one),
+        },
+        Select::Union(list) => list.iter().find_map(left),
+        _ => None,
+    }
+}
+
 /// Estimate of a specimen after its compaction.
 struct Packed {
     /// Width and height, m.
@@ -192,11 +209,8 @@ struct Packed {
 impl Packed {
     /// A random packing fills the grid from which it is drawn. A compaction brings it to the
     /// height, or the porosity, of its target; where none does, its height is not known and its
-    /// width decides. `None` for a specimen that is cut out of a cell.
+    /// width decides. One that is cut out of a cell is as large as the part that is left.
     fn of(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Self> {
-        if scene.stages.iter().any(|stage| matches!(stage, Stage::Remove(cut) if cut.open_cell)) {
-            return None;
-        }
         let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
         let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
         let side = |of: fn(&ParticleSeed) -> f64| {
@@ -215,10 +229,17 @@ impl Packed {
         let density = scene.materials.values().next()?.density;
         let mean_mass = density * scene.thickness * area / seeds.len() as f64;
         let loose = Self { width, height, largest, mean_mass };
-        Some(match compaction(scene) {
+        let packed = match compaction(scene) {
             Some(compact) => loose.compacted(compact, area, scene.cell.as_ref()),
             None => loose,
-        })
+        };
+        let cut = scene.stages.iter().find_map(|stage| match stage {
+            Stage::Remove(cut) if cut.open_cell => Some(&cut.select),
+            _ => None,
+        });
+        let Some(cut) = cut else { return Some(packed) };
+        let (width, height) = left(cut)?;
+        Some(Self { width, height, ..packed })
     }
 
     fn compacted(self, compact: &Compact, area: f64, cell: Option<&Cell>) -> Self {

@@ -155,6 +155,16 @@ fn ten_diameters_across_a_rock_are_no_false_alarm_and_eight_warn() {
     assert!(few(&narrow), "{:?}", narrow.warnings);
 }
 
+/// A specimen that is cut out of a cell is as wide as the part that is left, not as the cell.
+#[test]
+fn a_specimen_that_is_cut_out_counts_what_is_left() {
+    for (name, across) in [("direct_tension", 12.0 / 1.2), ("brazilian", 20.0 / 1.2)] {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("scenes/{name}.ron"));
+        let scene = crate::scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}")).scene;
+        near(before(&scene, None).disks_across, across, 0.02);
+    }
+}
+
 #[test]
 fn a_low_packing_counts_the_height_that_its_compaction_leaves() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/uniaxial_small.ron");

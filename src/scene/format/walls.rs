@@ -36,6 +36,15 @@ pub struct Wall {
     pub probe: Option<String>,
 }
 
+impl Wall {
+    /// Whether the wall is where it is drawn. One that a stage brings to the outermost particles is
+    /// not.
+    #[must_use]
+    pub fn is_placed(&self) -> bool {
+        self.present || !self.touching
+    }
+}
+
 /// Shape of a wall.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]

@@ -75,7 +75,7 @@ fn inward(wall: &Wall) -> (f64, f64) {
 /// Distance between two parallel lines that face each other, m; `None` for other pairs: thin walls
 /// may pass beside each other, and the place of one that comes at the outermost particles is unknown.
 fn facing(a: &Wall, b: &Wall) -> Option<f64> {
-    let are_lines = a.shape.is_line() && b.shape.is_line() && !(a.touching || b.touching);
+    let are_lines = a.shape.is_line() && b.shape.is_line() && a.is_placed() && b.is_placed();
     if !(are_lines && length(a) > 0.0 && length(b) > 0.0) {
         return None;
     }

@@ -97,7 +97,10 @@ pub fn judge(
     let last = LAST_FORCE * force_scale(program, &program.last_forces);
     let unit = force_scale(program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
-    if !tables.is_guided() || state.capped || tables.is_at_rest() {
+    // Without a pass the geometry is that of the start, where a specimen at rest still is. Its forces may
+    // be round-off alone, of which an imbalance says nothing.
+    let has_stayed = state.passes == 0 && tables.is_at_rest();
+    if !tables.is_guided() || state.capped || has_stayed {
         return;
     }
     let motion = Motion::of(program, solution, &counts, bodies.mean_radius);
@@ -181,7 +184,7 @@ impl Tables<'_> {
             .collect()
     }
 
-    /// Whether the increment ends where it began, in the geometry in which it was solved.
+    /// Whether the increment ends where it began.
     fn is_at_rest(&self) -> bool {
         let radius = self.bodies.mean_radius;
         largest(&self.solution.displacements, radius) <= NO_MOTION * radius
