@@ -421,7 +421,8 @@ def calibrate(
         search.factors = search.factors + search.similar(measured, every)
         measured = search.results(parts, every, search.seeds)
         errors = [t.errors(seeds, np.zeros(2)) for t, seeds in zip(targets, measured)]
-        worst = float(np.max([np.linalg.norm(e) / a for e, a in zip(errors, allowed)]))
+        # Errors are logarithms.
+        worst = float(np.max([np.linalg.norm(np.expm1(e)) / a for e, a in zip(errors, allowed)]))
         if not best[2] or worst < best[0]:
             best = (worst, search.values(parts), measured)
         if worst <= 1.0:

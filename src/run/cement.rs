@@ -49,11 +49,26 @@ fn members(world: &mut World, bodies: &BodyTable, stage: &Cement) -> Vec<bool> {
     takes_part
 }
 
-/// Why there are not as many pairs as are to be bonded.
+/// Why there are not as many pairs as are to be bonded, or none.
 pub(super) fn refusal(world: &mut World, stage: &Cement) -> Option<String> {
-    stage.coordination?;
     let (bodies, _) = gathered(world);
     let takes_part = members(world, &bodies, stage);
+    if let Some(length) = stage.length {
+        let is_empty = near(&bodies, stage, &takes_part, length).is_empty();
+        let to_walls = !stage.particles && bodies.walls.is_empty();
+        let what = if to_walls {
+            "no wall is there"
+        } else {
+            "no gap of a pair that it selects is below that"
+        };
+        return is_empty.then(|| {
+            format!(
+                "stage `{}` cannot begin: it would bond nothing: its length is {length:?} m, and {what}; \
+                 give a greater one, or cement when there is something to bond",
+                stage.name
+            )
+        });
+    }
     let wanted = number(stage, &takes_part);
     let n = takes_part.iter().filter(|takes_part| **takes_part).count();
     let pairs = n * n.saturating_sub(1) / 2;

@@ -67,13 +67,11 @@ pub fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<Str
     })
 }
 
-/// A thin wall that comes where a particle is. The stage is refused, because the side of the
-/// particle is not clear.
+/// A wall that comes where a particle is. The stage is refused, because the side of the particle from a
+/// thin wall is not clear, and a line would press on it with half of its stiffness times its radius.
 pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     let catalogue = world.get_resource::<WallCatalogue>()?;
-    let comes = |wall: &&scene::Wall| {
-        stage.add_walls.contains(&wall.name) && !wall.shape.is_line() && !wall.touching
-    };
+    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.touching;
     let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
     let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
     let cut = |wall: &scene::Wall| {

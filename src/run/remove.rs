@@ -31,7 +31,17 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
     let place = |place: DVec2| cell.map_or(place, |cell| cell.wrapped(place));
     let ids: Vec<BodyId> =
         selected_at(world, &stage.select, place).into_iter().map(|(id, _)| id).collect();
-    if ids.is_empty() {
+    if let (Some(cell), Some([low, high])) = (&cell, stage.select.left())
+        && cell.tilt == 0.0
+        && (low.0.min(low.1) < 0.0 || high.0 > cell.width || high.1 > cell.height)
+    {
+        return because(format!(
+            "what is left reaches from {low:?} to {high:?} m, and the cell from (0, 0) to ({:.4e}, {:.4e}) m; \
+             cut within it, or give the packing more particles",
+            cell.width, cell.height
+        ));
+    }
+    if ids.is_empty() && !stage.open_cell {
         let (what, remedy) = why_empty(&stage.select);
         return because(format!("select selects no particle: {what}; {remedy}"));
     }

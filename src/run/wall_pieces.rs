@@ -45,21 +45,21 @@ pub fn pieces(wall: &scene::Wall) -> Vec<Piece> {
     }
 }
 
-/// Minimum distance of the centre of a particle from a thin wall when the wall or the particle
-/// comes, over its radius. The side of a closer particle is not clear.
+/// Minimum distance of the centre of a particle from a wall when the wall or the particle comes, over
+/// its radius. The side of a closer particle from a thin wall is not clear, and a line presses on it
+/// with half of its radius.
 pub const CUT: f64 = 0.5;
 
-/// Whether a thin wall cuts through a disk, where it is drawn. One that is yet to come at the
-/// outermost particles cuts through none.
+/// Whether a wall cuts through a disk, where it is drawn: a line, if the centre is on its inner side.
+/// One that is yet to come at the outermost particles cuts through none.
 #[must_use]
 pub fn is_cut(wall: &scene::Wall, place: DVec2, radius: f64) -> bool {
     wall.is_placed()
-        && !wall.shape.is_line()
         && pieces(wall).iter().any(|piece| {
             let Wall { half_length, .. } = piece.wall;
             let near =
                 piece.shape.nearest(piece.wall.inward(), half_length, place - piece.position);
-            near.distance < CUT * radius
+            (0.0..CUT * radius).contains(&near.distance)
         })
 }
 

@@ -152,7 +152,10 @@ fn rock_releases_what_the_ledger_takes_and_is_silent_below_the_stress_it_has_bor
         let first = |row: &Row| number(row, "energy_rupture_j");
         let expected =
             taken(after) - taken(&history[k]) + first(&history[k]) - first(&history[k - 1]);
-        assert_relative(number(emission, "released_j"), expected, 1e-2);
+        // The difference of stored energies has their round-off.
+        let stored = number(emission, "elastic_energy_before_j");
+        let apart = (number(emission, "released_j") - expected).abs();
+        assert!(apart < 1e-2 * expected + 1e-6 * stored, "{apart} of {expected} J");
         compared += 1;
     }
     assert!(compared > 50, "{compared}");

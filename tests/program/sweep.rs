@@ -179,7 +179,7 @@ fn a_jacket_does_not_stiffen_the_shipped_granite() {
         scenes: { "tension": "granite_tension.ron", "compression": "granite_compression.ron" },
         prepare: (scene: "granite_packing.ron", state: "packed", set: ["let.seed=4"]),
         // No bond breaks in the first two increments.
-        set: ["stages.load.increments=2", "let.step=1.0e-7"],
+        set: ["stages.load.increments=2"],
         settings: { "confining": ["let.confining"] },
         runs: List([{ "scene": "tension" }, { "scene": "compression", "confining": 10.0e6 }]),
     )"#;

@@ -7,7 +7,7 @@ use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::scene::format::{
     Analysis, Cell, CellStrain, CellTarget, Compact, CompactBy, CompactTarget, LidLoad, Load,
-    Scene, Select, Specimen, Stage, Strain, Table, Wall, WallControl,
+    Scene, Specimen, Stage, Strain, Table, Wall, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
@@ -178,23 +178,6 @@ fn compaction(scene: &Scene) -> Option<&Compact> {
     })
 }
 
-/// Width and height of what a cut leaves, if its selection is all but a box or a circle.
-fn left(cut: &Select) -> Option<(f64, f64)> {
-    let size = |of: &Select| match of {
-        Select::Box { min, max } => Some((max.0 - min.0, max.1 - min.1)),
-        Select::Circle { radius, .. } => Some((2.0 * radius, 2.0 * radius)),
-        _ => None,
-    };
-    match cut {
-        Select::Except(all, kept) if **all == Select::All => match &**kept {
-            Select::Intersection(list) => list.iter().find_map(size),
-            one => size(one),
-        },
-        Select::Union(list) => list.iter().find_map(left),
-        _ => None,
-    }
-}
-
 /// Estimate of a specimen after its compaction.
 struct Packed {
     /// Width and height, m.
@@ -238,8 +221,8 @@ impl Packed {
             _ => None,
         });
         let Some(cut) = cut else { return Some(packed) };
-        let (width, height) = left(cut)?;
-        Some(Self { width, height, ..packed })
+        let [low, high] = cut.left()?;
+        Some(Self { width: high.0 - low.0, height: high.1 - low.1, ..packed })
     }
 
     fn compacted(self, compact: &Compact, area: f64, cell: Option<&Cell>) -> Self {

@@ -79,6 +79,25 @@ pub enum Select {
 }
 
 impl Select {
+    /// Corners of the rectangle around what is left of a specimen that loses this selection, m, if it
+    /// is all but a box or a circle, or a part of these.
+    #[must_use]
+    pub fn left(&self) -> Option<[(f64, f64); 2]> {
+        let corners = |of: &Self| match of {
+            Self::Box { min, max } => Some([*min, *max]),
+            Self::Circle { centre: (x, y), radius: r } => Some([(x - r, y - r), (x + r, y + r)]),
+            _ => None,
+        };
+        match self {
+            Self::Except(all, kept) if **all == Self::All => match &**kept {
+                Self::Intersection(list) => list.iter().find_map(corners),
+                one => corners(one),
+            },
+            Self::Union(list) => list.iter().find_map(Self::left),
+            _ => None,
+        }
+    }
+
     /// The selections that it is made of.
     #[must_use]
     pub fn parts(&self) -> Vec<&Self> {

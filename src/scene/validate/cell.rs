@@ -2,7 +2,12 @@
 
 use std::fmt::Arguments;
 
-use crate::scene::format::{Analysis, CellTarget, Compact, CompactRest, CompactTarget, Load};
+use clastic_components::cell::{CellControl, PeriodicCell};
+use clastic_systems::detect_contacts::periodic::pairs_within;
+use glam::DVec2;
+
+use crate::run::minerals::specimen;
+use crate::scene::format::{Analysis, Cell, CellTarget, Compact, CompactRest, CompactTarget, Load};
 use crate::scene::format::{Scene, Sizes, Specimen, Stage};
 use crate::scene::spans::join;
 
@@ -29,6 +34,9 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             );
             findings.add(format_args!("cell.size"), "too small a cell", &help);
         }
+    }
+    if fine {
+        images(context, cell, findings);
     }
     let help = "leave it out: a periodic cell has no";
     let of_state = context.specimen.and_then(|stored| stored.state.as_ref());
@@ -85,6 +93,46 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
 }
 
+/// Checks that particles do not overlap across the sides of the cell by more than half a radius, as they
+/// do where it is smaller than the grid on which they are drawn.
+fn images(context: &Context, cell: &Cell, findings: &mut Findings) {
+    let scene = context.scene;
+    let is_known = match scene.specimen {
+        Specimen::State { .. } => false,
+        Specimen::File { .. } => context.specimen.is_some(),
+        _ => true,
+    };
+    if !is_known || !findings.is_sound("specimen") || !findings.is_sound("cell") {
+        return;
+    }
+    let seeds = specimen(scene, context.specimen);
+    let (places, radii): (Vec<_>, Vec<_>) = seeds.iter().map(|s| (s.position, s.radius)).unzip();
+    let periodic = PeriodicCell {
+        width: cell.size.0,
+        height: cell.size.1,
+        tilt: cell.tilt,
+        shear: 0.0,
+        stress: [0.0; 3],
+        controls: [CellControl::default(); 3],
+        by_mean: false,
+    };
+    let overlap = |(a, b): (u32, u32)| {
+        let (i, j) = (a as usize, b as usize);
+        let apart = places[j] - places[i];
+        let shift = periodic.shift(apart);
+        let gap = (apart + shift).length() - radii[i] - radii[j];
+        (shift != DVec2::ZERO).then_some((-gap / radii[i].min(radii[j]), a, b))
+    };
+    let pairs = pairs_within(&periodic, &places, &radii, 0.0).into_iter().filter_map(overlap);
+    let most = pairs.max_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some((_, a, b)) = most.filter(|(overlap, ..)| *overlap > 0.5) {
+        let message =
+            format!("particles {a} and {b} overlap across a side by more than half a radius");
+        let help = "give a larger cell: that of a `Packing` is columns times spacing wide, and as high as its rows";
+        findings.add(format_args!("cell.size"), message, help);
+    }
+}
+
 /// Whether a stage ends the cell.
 fn opens(stage: &Stage) -> bool {
     matches!(stage, Stage::Remove(stage) if stage.open_cell)
@@ -95,7 +143,10 @@ fn without(scene: &Scene, findings: &mut Findings) {
         return;
     }
     for (i, stage) in scene.stages.iter().enumerate() {
-        let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
+        let help = match scene.specimen {
+            Specimen::State { .. } => "leave it out: the state has none, or its cell has ended",
+            _ => "add `cell: (size: (WIDTH, HEIGHT))` to the scene",
+        };
         outside(format_args!("stages[{i}]"), stage, help, findings);
     }
 }

@@ -67,7 +67,7 @@ fn closing(stage: &Load, wall: &Wall) -> Option<f64> {
 }
 
 /// Unit normal on the left of the direction from start to end.
-fn inward(wall: &Wall) -> (f64, f64) {
+pub(super) fn inward(wall: &Wall) -> (f64, f64) {
     let length = length(wall);
     ((wall.start.1 - wall.end.1) / length, (wall.end.0 - wall.start.0) / length)
 }

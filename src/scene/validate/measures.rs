@@ -8,11 +8,13 @@ use crate::scene::format::{
     Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
 
-use super::Context;
+use super::crossing::inward;
 use super::findings::Findings;
+use super::places::length;
 use super::references::index_exists;
 use super::select::select;
 use super::thin_walls::one_piece;
+use super::{ASKEW, Context};
 use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
 
 /// Whether a column of the history has this name already.
@@ -137,7 +139,10 @@ fn no_normal_strain(of: &Quantity) -> Option<(&'static str, &'static str)> {
 
 fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Findings) {
     match strain {
-        Strain::Walls(a, b) => two_walls(context, path, (a, b), findings),
+        Strain::Walls(a, b) => {
+            two_walls(context, path, (a, b), findings);
+            towards_each_other(context, path, (a, b), findings);
+        }
         Strain::Particles(a, b) => {
             index_exists(context, format_args!("{path}[0]"), *a, findings);
             index_exists(context, format_args!("{path}[1]"), *b, findings);
@@ -146,6 +151,34 @@ fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Fi
         Strain::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
         Strain::Region { min, max, .. } => rectangle(path, *min, *max, findings),
         Strain::Cell(_) => has_cell(context, path, findings),
+    }
+}
+
+/// Checks that a strain is not that between two walls of which one is drawn from its end to its start:
+/// a wall that comes at the outermost particles would come from the other side.
+fn towards_each_other(
+    context: &Context,
+    path: Arguments,
+    (a, b): (&str, &str),
+    findings: &mut Findings,
+) {
+    let find = |name: &str| {
+        let wall = context.scene.walls.iter().find(|wall| wall.name == name);
+        wall.filter(|wall| wall.shape.is_straight() && length(wall) > 0.0)
+    };
+    let (Some(first), Some(second)) = (find(a), find(b)) else { return };
+    if !findings.is_sound("walls") {
+        return;
+    }
+    let (n, m) = (inward(first), inward(second));
+    let way = (second.start.0 - first.start.0) * n.0 + (second.start.1 - first.start.1) * n.1;
+    let both_come = !first.is_placed() && !second.is_placed();
+    if n.0 * m.0 + n.1 * m.1 > 1.0 - ASKEW {
+        let what = format!("walls `{a}` and `{b}` have their insides on the same side");
+        findings.add(path, what, "exchange start and end of one of them");
+    } else if both_come && way < 0.0 && n.0 * m.0 + n.1 * m.1 < ASKEW - 1.0 {
+        let what = format!("walls `{a}` and `{b}` have their outsides towards each other");
+        findings.add(path, what, "exchange start and end of both");
     }
 }
 
