@@ -501,7 +501,7 @@ fn periodic_cells_in_both_analyses_under_both_laws() {
         Load(name: "confine", increments: 3, cell: (xx: Stress(50.0e3), yy: Stress(50.0e3), shear: Stress(0.0))),
         Load(name: "shear", increments: 4, cell: (shear: Strain(0.008)))"#;
     let by_mean = format!(
-        r#"Cement(name: "cement", length: 1.0e-4), {prepare},
+        r#"{prepare}, Cement(name: "cement", length: 1.0e-4),
         Load(name: "mean", increments: 3, cell: (mean: Stress(40.0e3), difference: Strain(0.001)))"#
     );
     let second = r#"Load(name: "keep", increments: 2),

@@ -11,8 +11,9 @@ use clastic::components::cell::PeriodicCell;
 use clastic::components::energy::EnergyLedger;
 use clastic::components::particle::Particle;
 use clastic::components::wall::WallName;
+use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation};
-use clastic::scene::format::{Scene, Stage};
+use clastic::scene::format::{Measure, Quantity, Scene, Select, Stage, Strain, StrainComponent};
 
 use crate::common::{next, parse, stage};
 
@@ -112,6 +113,21 @@ fn what_lies_in_the_box_is_left_with_its_bonds() {
     assert_eq!(bonds(&mut simulation), kept);
 }
 
+/// Particles that are put back into the cell have not moved: the strain of a region, which counts from
+/// their places in a stage before, is none.
+#[test]
+fn a_cut_strains_no_region() {
+    let mut scene = scene("");
+    scene.reference_stage = Some("hold".to_owned());
+    let [min, max] = [LOW, HIGH].map(|x| (x.x, x.y));
+    let of = Quantity::Strain(Strain::Region { component: StrainComponent::Xx, min, max });
+    scene.measures.push(Measure { name: "strain".to_owned(), of });
+    let mut simulation = in_cell(&scene);
+    next(&mut simulation).unwrap();
+    let strain = reading(simulation.world(), "strain").unwrap();
+    assert!(strain.abs() < 1e-9, "{strain}");
+}
+
 /// Each wall touches the specimen, whether it was drawn outside of it or beyond its other side, and
 /// cuts into no disk.
 #[test]
@@ -189,7 +205,7 @@ fn a_cut_that_leaves_nothing_leaves_the_cell() {
     let mut scene = scene("");
     for stage in &mut scene.stages {
         if let Stage::Remove(cut) = stage {
-            cut.select = clastic::scene::format::Select::All;
+            cut.select = Select::All;
         }
     }
     stage(&mut scene, "rest").add_walls.clear();
@@ -198,4 +214,45 @@ fn a_cut_that_leaves_nothing_leaves_the_cell() {
     assert_eq!(stage, "cut");
     assert!(message.contains("nothing is left"), "{message}");
     assert!(simulation.world().contains_resource::<PeriodicCell>());
+}
+
+/// A box that reaches beyond the cell would leave a specimen with a ragged side.
+#[test]
+fn a_box_beyond_the_cell_is_refused() {
+    let mut scene = scene("");
+    for stage in &mut scene.stages {
+        if let Stage::Remove(cut) = stage {
+            let high = Select::Box { min: (0.01, 0.01), max: (0.12, 0.1) };
+            cut.select = Select::Except(Box::new(Select::All), Box::new(high));
+        }
+    }
+    let Outcome::Refused { stage, message } = in_cell(&scene).run() else { panic!("not refused") };
+    assert_eq!(stage, "cut");
+    assert!(message.contains("and the cell from (0, 0) to ("), "{message}");
+}
+
+/// A glue before the platens are there, and a cement of no length, would leave another rock than the
+/// scene says.
+#[test]
+fn a_cement_that_bonds_nothing_is_refused() {
+    let glue = r#"Cement(name: "glue", length: 1.0e-3, walls: true, particles: false),"#;
+    let none = r#"Cement(name: "thin", length: 0.0),"#;
+    for (stage, words) in [(glue, "no wall is there"), (none, "no gap of a pair")] {
+        let mut simulation = Simulation::new(&scene(stage), None);
+        let Outcome::Refused { message, .. } = simulation.run() else { panic!("not refused") };
+        assert!(message.contains("it would bond nothing") && message.contains(words), "{message}");
+    }
+}
+
+/// A line that comes through grains, whose centres are on its inner side, would press them with half of
+/// their radius.
+#[test]
+fn a_line_that_cuts_through_grains_is_refused() {
+    let mut scene = scene("");
+    scene.walls[0].touching = false;
+    (scene.walls[0].start, scene.walls[0].end) = ((0.0, LOW.y), (0.1, LOW.y));
+    let mut simulation = in_cell(&scene);
+    let Outcome::Refused { stage, message } = simulation.run() else { panic!("not refused") };
+    assert_eq!(stage, "rest");
+    assert!(message.contains("would cut through particle"), "{message}");
 }

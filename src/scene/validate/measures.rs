@@ -167,7 +167,7 @@ fn towards_each_other(
         wall.filter(|wall| wall.shape.is_straight() && length(wall) > 0.0)
     };
     let (Some(first), Some(second)) = (find(a), find(b)) else { return };
-    if !findings.is_sound("walls") {
+    if a == b || !["walls", "specimen"].iter().all(|part| findings.is_sound(part)) {
         return;
     }
     let (n, m) = (inward(first), inward(second));
