@@ -203,7 +203,7 @@ fn the_shipped_studies_of_rock_are_sound() {
     let granite = script("granite");
     assert!(granite.contains("scene compression, seed 3, confining 50.0e6"), "{granite}");
     assert!(granite.contains("scene brazilian, seed 1"), "{granite}");
-    assert!(script("rock_size").contains("#SBATCH --array=1-80\n"));
+    assert!(script("rock_size").contains("#SBATCH --array=1-100\n"));
 }
 
 /// Tests that branch from packings of a few disks: two loads on each of two packings.
