@@ -141,7 +141,8 @@ pub fn to_the_end(
         Ending::Finished(Outcome::Halted(message)) => Err(Failure { exit: Exit::Files, message }),
         Ending::Finished(Outcome::Refused { message, .. }) => {
             let message = format!(
-                "{message}; once that is mended, `clastic resume {} --set PATH=VALUE` goes on",
+                "{message}; once the stage is mended, `clastic resume {} --set PATH=VALUE` goes on (another wall \
+                 or material needs another run)",
                 directory.display()
             );
             Err(Failure { exit: Exit::Scene, message })
