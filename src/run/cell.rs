@@ -14,9 +14,9 @@ use clastic_components::particle::Particle;
 
 use crate::scene::format as scene;
 
-/// Adds the cell of a scene.
-pub fn spawn(world: &mut World, cell: &scene::Cell) {
-    world.insert_resource(PeriodicCell {
+/// The cell of a scene where a run begins.
+pub(crate) fn at_start(cell: &scene::Cell) -> PeriodicCell {
+    PeriodicCell {
         width: cell.size.0,
         height: cell.size.1,
         tilt: cell.tilt,
@@ -24,7 +24,7 @@ pub fn spawn(world: &mut World, cell: &scene::Cell) {
         stress: [0.0; 3],
         controls: [CellControl::default(); 3],
         by_mean: false,
-    });
+    }
 }
 
 /// Sets the controls of the cell for a loading stage.

@@ -67,12 +67,18 @@ pub fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<Str
     })
 }
 
+/// The walls that a stage adds: those that come at the outermost particles, or the others.
+fn added(world: &World, stage: &scene::Load, touching: bool) -> Vec<scene::Wall> {
+    let Some(catalogue) = world.get_resource::<WallCatalogue>() else { return Vec::new() };
+    let comes =
+        |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && wall.touching == touching;
+    catalogue.walls.iter().filter(comes).cloned().collect()
+}
+
 /// A wall that comes where a particle is. The stage is refused, because the side of the particle from a
 /// thin wall is not clear, and a line would press on it with half of its stiffness times its radius.
 pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let catalogue = world.get_resource::<WallCatalogue>()?;
-    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.touching;
-    let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
+    let walls = added(world, stage, false);
     let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
     let cut = |wall: &scene::Wall| {
         let all = particles.iter(world);
@@ -90,10 +96,7 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
 
 /// A wall that is to touch the outermost particle and meets none on its way.
 pub fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let catalogue = world.get_resource::<WallCatalogue>()?;
-    let comes = |wall: &&scene::Wall| wall.touching && stage.add_walls.contains(&wall.name);
-    let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
-    let wall = walls.into_iter().find(|wall| placed(world, wall).is_none())?;
+    let wall = added(world, stage, true).into_iter().find(|wall| placed(world, wall).is_none())?;
     Some(format!(
         "stage `{}` cannot begin: wall `{}` of add_walls is to touch the outermost particle, and meets \
          none on its way along its inward normal; draw it where particles are in its way",
@@ -104,9 +107,7 @@ pub fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
 /// A wall that comes with particles behind it, as one does that is drawn from its end to its start.
 /// The stage is refused, because it would push them through the wall in one increment.
 pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let catalogue = world.get_resource::<WallCatalogue>()?;
-    let comes = |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && !wall.touching;
-    let walls: Vec<_> = catalogue.walls.iter().filter(comes).cloned().collect();
+    let walls = added(world, stage, false);
     let mut particles = world.query::<(&Particle, &BodyPosition)>();
     let (wall, behind) = walls.iter().find_map(|wall| {
         let all = particles.iter(world);

@@ -7,7 +7,7 @@
 mod advice;
 mod before;
 mod begin_script;
-mod cell;
+pub(crate) mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;

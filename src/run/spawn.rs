@@ -62,7 +62,7 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     }
 
     if let Some(cell) = &scene.cell {
-        super::cell::spawn(world, cell);
+        world.insert_resource(super::cell::at_start(cell));
     }
     for wall in scene.walls.iter().filter(|w| w.present) {
         spawn_wall(world, &wall.name);

@@ -77,20 +77,7 @@ fn reach(piece: &Piece) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn wall(start: (f64, f64), end: (f64, f64), shape: scene::WallShape) -> scene::Wall {
-        scene::Wall {
-            name: "w".into(),
-            start,
-            end,
-            shape,
-            contact: scene::Contact::default(),
-            bond: None,
-            present: false,
-            touching: true,
-            probe: None,
-        }
-    }
+    use crate::run::wall_pieces::drawn as wall;
 
     const DISKS: [(DVec2, f64); 3] =
         [(DVec2::new(0.0, 0.0), 1.0), (DVec2::new(3.0, 0.5), 0.5), (DVec2::new(9.0, -2.0), 1.5)];

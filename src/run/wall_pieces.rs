@@ -120,22 +120,28 @@ fn arc(start: DVec2, through: DVec2, end: DVec2) -> Piece {
     Piece { position, wall, shape }
 }
 
+/// A wall of this shape, for tests.
+#[cfg(test)]
+pub(super) fn drawn(start: (f64, f64), end: (f64, f64), shape: scene::WallShape) -> scene::Wall {
+    scene::Wall {
+        name: "w".into(),
+        start,
+        end,
+        shape,
+        contact: scene::Contact::default(),
+        bond: None,
+        present: true,
+        touching: false,
+        probe: None,
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     fn of(shape: scene::WallShape, start: (f64, f64), end: (f64, f64)) -> Vec<Piece> {
-        let wall = scene::Wall {
-            name: "w".into(),
-            start,
-            end,
-            shape,
-            contact: scene::Contact::default(),
-            bond: None,
-            present: true,
-            touching: false,
-            probe: None,
-        };
+        let wall = drawn(start, end, shape);
         assert_eq!(count(&wall) as usize, pieces(&wall).len());
         pieces(&wall)
     }

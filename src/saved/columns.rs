@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use clastic_components::body::BodyId;
+use clastic_components::body::{BodyExternalForce, BodyId, LastMotion};
 use clastic_systems::state::{StateError, WorldState};
 
 use super::SavedError;
@@ -45,6 +45,18 @@ pub(super) fn add<T: Serialize + DeserializeOwned>(
     all.extend(values.filter_map(|(id, value)| Some((*id, value?))));
     all.sort_by_key(|(id, _)| *id);
     if all.is_empty() { Ok(()) } else { state.set(entry, &all) }
+}
+
+/// Adds the last motions of bodies and the external forces on them.
+pub(super) fn add_motions(
+    state: &mut WorldState,
+    ids: &[BodyId],
+    motions: Vec<[f64; 3]>,
+    forces: Vec<[f64; 3]>,
+) -> Result<(), StateError> {
+    add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
+    let forces = forces.into_iter().map(|f| Some(BodyExternalForce::of_state(f)));
+    add(state, "external_force", ids, forces)
 }
 
 /// Error of an array.

@@ -10,7 +10,7 @@ use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
 
 use super::SavedError;
-use super::columns::{add, bad, each, finite, identities, none_of, of, some};
+use super::columns::{add, add_motions, bad, each, finite, identities, none_of, of, some};
 use crate::tables::{Array, Tables};
 
 pub(super) const ENTRIES: [&str; 2] = ["contact_force", ENTRY];
@@ -133,15 +133,8 @@ pub(super) fn read(
     add(state, "origin", ids, origins.into_iter().map(|x| Some(BodyOrigin(x.into()))))?;
     let rotations = scalars("rigid.rotation_rad")?;
     add(state, "rotation", ids, rotations.iter().map(|r| Some(BodyRotation(*r))))?;
-    let motions = triples("rigid.last_motion")?;
-    add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
-    let forces = triples("rigid.external_force")?;
-    add(
-        state,
-        "external_force",
-        ids,
-        forces.into_iter().map(|f| Some(BodyExternalForce::of_state(f))),
-    )?;
+    let (motions, forces) = (triples("rigid.last_motion")?, triples("rigid.external_force")?);
+    add_motions(state, ids, motions, forces)?;
     let forces = triples("rigid.contact_force")?;
     add(state, "contact_force", ids, forces.into_iter().map(|f| Some(ContactForce(f))))?;
     let loads = triples("rigid.load_from")?.into_iter().zip(triples("rigid.load_to")?);

@@ -11,7 +11,7 @@ use clastic_systems::state::WorldState;
 use glam::DVec2;
 
 use super::SavedError;
-use super::columns::{add, bad, each, finite, identities, of, some};
+use super::columns::{add, add_motions, bad, each, finite, identities, of, some};
 use crate::tables::{Array, Tables};
 
 pub(super) const ENTRIES: [&str; 15] = [
@@ -153,15 +153,9 @@ pub(super) fn read(
     add(state, "group", ids, groups.iter().map(|group| some(group).map(Group)))?;
     let probes = tables.text("particles.probe", &[n])?;
     add(state, "probe", ids, probes.iter().map(|probe| some(probe).map(Probe)))?;
-    let motions = triples("particles.last_motion")?;
-    add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
-    let forces = triples("particles.external_force")?;
-    add(
-        state,
-        "external_force",
-        ids,
-        forces.into_iter().map(|f| Some(BodyExternalForce::of_state(f))),
-    )?;
+    let (motions, forces) =
+        (triples("particles.last_motion")?, triples("particles.external_force")?);
+    add_motions(state, ids, motions, forces)?;
     let loads = triples("particles.load_from")?.into_iter().zip(triples("particles.load_to")?);
     let loads = loads.map(|(from, to)| Some(LoadControl([0, 1, 2].map(|k| (from[k], to[k])))));
     add(state, "load_control", ids, loads)?;

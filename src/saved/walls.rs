@@ -9,7 +9,7 @@ use clastic_systems::state::{StateError, WorldState};
 use clastic_systems::wall_states::WALL_CONTROL;
 use glam::DVec2;
 
-use super::columns::{add, bad, finite, identities, of, some};
+use super::columns::{add, add_motions, bad, finite, identities, of, some};
 use super::wall_laws::{bond, bond_row, contact, contact_row, law, law_row};
 use super::{SavedError, wall_controls};
 use crate::run::wall_pieces::{count, moved, pieces};
@@ -187,15 +187,8 @@ pub(super) fn read(
     add(state, "position", ids, middles.iter().map(|x| Some(BodyPosition(*x))))?;
     let origins = pairs("walls.origin_m")?;
     add(state, "origin", ids, origins.into_iter().map(|x| Some(BodyOrigin(x))))?;
-    let motions = triples("walls.last_motion")?;
-    add(state, "last_motion", ids, motions.into_iter().map(|u| Some(LastMotion(u))))?;
-    let forces = triples("walls.external_force")?;
-    add(
-        state,
-        "external_force",
-        ids,
-        forces.into_iter().map(|f| Some(BodyExternalForce::of_state(f))),
-    )?;
+    let (motions, forces) = (triples("walls.last_motion")?, triples("walls.external_force")?);
+    add_motions(state, ids, motions, forces)?;
     let laws = tables.vectors::<6>("walls.law", n)?.into_iter().enumerate();
     let laws = laws.filter(|(k, _)| is_there(*k)).map(|(_, row)| Some(law(row)));
     add(state, "contact_law", ids, laws)?;

@@ -2,10 +2,10 @@
 
 use std::fmt::Arguments;
 
-use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_systems::detect_contacts::periodic::pairs_within;
 use glam::DVec2;
 
+use crate::run::cell::at_start;
 use crate::run::minerals::specimen;
 use crate::scene::format::{Analysis, Cell, CellTarget, Compact, CompactRest, CompactTarget, Load};
 use crate::scene::format::{Scene, Sizes, Specimen, Stage};
@@ -107,15 +107,7 @@ fn images(context: &Context, cell: &Cell, findings: &mut Findings) {
     }
     let seeds = specimen(scene, context.specimen);
     let (places, radii): (Vec<_>, Vec<_>) = seeds.iter().map(|s| (s.position, s.radius)).unzip();
-    let periodic = PeriodicCell {
-        width: cell.size.0,
-        height: cell.size.1,
-        tilt: cell.tilt,
-        shear: 0.0,
-        stress: [0.0; 3],
-        controls: [CellControl::default(); 3],
-        by_mean: false,
-    };
+    let periodic = at_start(cell);
     let overlap = |(a, b): (u32, u32)| {
         let (i, j) = (a as usize, b as usize);
         let apart = places[j] - places[i];
