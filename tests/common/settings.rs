@@ -59,7 +59,7 @@ fn scale_rest(parts: &mut [f64], factor: f64) {
 pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
     let mut fields = fields![CondensedSettings:
         tolerance, safety, loose_tolerance, newton_margin, loose_newton_margin, interior_margin,
-        large, max_polished_residual, max_start,
+        large, max_start,
         newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.patience,
         newton.max_late_unbalance, newton.damping, newton.min_damping, newton.min_force,
         newton.line_search.max_slope, newton.line_search.max_evaluations,
@@ -78,8 +78,6 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         interior.near, interior.slow, interior.patience, interior.progress,
         warm.sweeps, warm.full_sweep_every, warm.max_gap, warm.product, warm.max_returns,
         sleep.max_residual,
-        polish.max_passes, polish.residual, polish.large_residual, polish.large,
-        polish.small_residual, polish.regularisation, polish.max_refinements, polish.progress,
     ];
     fields.push(("interior.min_compliance", |s, factor| {
         s.interior.min_compliance.iter_mut().for_each(|value| *value *= factor);

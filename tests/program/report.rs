@@ -187,8 +187,10 @@ fn a_reader_finds_what_the_engine_has() {
     let contacts = seen["contacts"].as_array().unwrap();
     assert!(contacts.len() >= 5, "{contacts:?}");
     let is_bonded = |c: usize| (0..bond_ids.len()).any(|k| (bond_a[k], bond_b[k]) == (a[c], b[c]));
-    let free: Vec<_> = (0..a.len()).filter(|c| !is_bonded(*c)).collect();
-    assert_eq!(contacts.len(), free.iter().filter(|c| p[**c] != 0.0).count());
+    // An open contact has a force of the size of round-off, which the page shows as none.
+    let carries = |c: &usize| !is_bonded(*c) && !is_shown(0.0, p[*c], force);
+    let free: Vec<_> = (0..a.len()).filter(carries).collect();
+    assert_eq!(contacts.len(), free.len());
     for (contact, c) in contacts.iter().zip(free) {
         assert_eq!((&contact["a"], &contact["b"]), (&a[c].into(), &b[c].into()), "{contact}");
         assert!(is_shown(number(contact, "p_n"), p[c], force), "{contact} {}", p[c]);

@@ -129,7 +129,7 @@ fn the_first_increment_of_the_rigid_test_shows_its_mechanism() {
 
 /// A biaxial test without bonds whose solves under Coulomb's law end before they have converged.
 fn capped(settings: &[&str]) -> (Assert, TempDir) {
-    let law = "friction_law=Coulomb(factorisations: 3)";
+    let law = "friction_law=Coulomb(factorisations: 4)";
     let few = ["stages.cement.length=1e-12", "stages.load.increments=4", "output.plots=false"];
     let mut all = vec!["--quiet", "--set", law];
     all.extend(few.iter().chain(settings).flat_map(|set| ["--set", set]));

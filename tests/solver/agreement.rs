@@ -83,7 +83,8 @@ fn differences(
     bound: f64,
 ) -> Vec<String> {
     let mut found = Vec::new();
-    let ((value, magnitude), (other, _)) = (objective(program, a), objective(program, b));
+    let ((value, one), (other, two)) = (objective(program, a), objective(program, b));
+    let magnitude = one.max(two);
     if !((value - other).abs() <= 1e-7 * magnitude) {
         found.push(format!("objective {value:e} and {other:e} of {magnitude:e}"));
     }
@@ -211,17 +212,15 @@ fn compare(programs: &[(String, ConeProgram)]) -> Agreement {
         if differences(program, &a, &b, UNIQUE).is_empty() {
             continue;
         }
-        // Both solve again with a smaller tolerance. The first solution must agree with the new
-        // ones as before. That of the second need not: in contacts that just touch without force
-        // its error is the square root of its product of gap and force.
+        // Both solve again with a smaller tolerance, Clarabel where all interactions are springs. The
+        // first solution must agree with the new ones as before. That of the second need not: in
+        // contacts that just touch without force its error is the square root of its product of gap
+        // and force.
         doubtful += 1;
         let exact = solve(&mut Condensed::new(CondensedSettings::with_tolerance(1e-12)), program);
-        let Some(b) = solve_from(program, &b.displacements)
+        let b = solve_from(program, &b.displacements)
             .and_then(|b| solve_from(program, &b.displacements))
-        else {
-            failures.push(format!("{name}: differs, and not all of it are springs"));
-            continue;
-        };
+            .unwrap_or(b);
         let left = |s: &ConeSolution| regularised_residuals(program, s).worst();
         let bound = UNIQUE.max(2.0 * left(&b).sqrt());
         let mut found = differences(program, &a, &exact, UNIQUE);

@@ -1,9 +1,9 @@
 //! A program in the units and the order of the matrix, and the methods that solve it there: the
-//! Newton iteration, and the interior point with its polish.
+//! Newton iteration and the interior point.
 
 use super::interior::{self, End, Interior, Judge};
 use super::local;
-use super::matrix::{BodyMatrix, places};
+use super::matrix::BodyMatrix;
 use super::newton::Newton;
 use super::parallel::in_pool;
 use super::scaled::Scaled;
@@ -11,10 +11,8 @@ use super::settings::CondensedSettings;
 use super::warm::raised;
 use super::{ROUND_OFF, checked};
 use crate::certificate::{certificate, locks, proves};
-use crate::lowering::{Lowered, lower, polish};
-use crate::polish::Point;
 use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
-use crate::residuals::{MAX_BALANCE, choose_displacements};
+use crate::residuals::MAX_BALANCE;
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -127,15 +125,18 @@ impl<'a> Posed<'a> {
         (result, solution)
     }
 
-    /// The interior point: solved, collapsed, locked, or stalled at the limit of arithmetic. A small
-    /// program whose solution is exact or near is polished.
+    /// The interior point: solved, collapsed, locked, or stalled at the limit of arithmetic. An exact
+    /// solution of a small program decides of every limit whether it is active.
     pub fn interior(&mut self, start: &Start, iterations: &mut u32) -> ConeSolution {
         let settings = self.settings;
         let residual = self.demand.goal(settings.interior_margin);
-        let goal = if self.demand.at_once {
+        let Demand { tolerance, loose, large, at_once } = self.demand;
+        let goal = if at_once {
             interior::Goal::enough(residual)
-        } else {
+        } else if loose || large {
             interior::Goal::exact(residual)
+        } else {
+            interior::Goal::exact(residual).decided(tolerance, is_rigid_plastic(self.program))
         };
         let units = Units::of(self.program, &self.order, self.demand.tolerance);
         let Self { scaled, matrix, .. } = self;
@@ -156,70 +157,16 @@ impl<'a> Posed<'a> {
             }
             End::Locked => found.status = SolveStatus::Locked,
         }
-        let is_polished = match end {
-            End::Solved => !self.demand.loose && !is_rigid_plastic(self.program),
-            End::Limit => point.merit <= settings.max_polished_residual,
-            End::Collapsed | End::Locked => false,
-        };
-        if is_polished && !self.demand.large { self.polished(&point, found) } else { found }
-    }
-
-    /// The solution of an interior point, polished; as it is if the polish is no solution.
-    fn polished(&self, point: &Interior, unpolished: ConeSolution) -> ConeSolution {
-        let program = self.program;
-        let mut low = lower(program);
-        let point = lowered_point(&self.scaled, &self.order, &low, point);
-        let (rows, variables) = (low.right.len(), low.linear.len());
-        let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
-        let mut solution = unpolished.clone();
-        polish(program, &low, &a, point, &self.settings.polish, &mut solution);
-        let tolerance = self.demand.tolerance;
-        if choose_displacements(program, &mut solution, tolerance).worst() <= tolerance {
-            solution.status = SolveStatus::Solved;
-            return solution;
-        }
-        unpolished
+        found
     }
 }
 
 /// Whether forces and mechanism are not unique, because bonds have no compliance. The interior
 /// point converges to the middle of all solutions, where a limit is active only if it is active in
-/// all of them: these bonds break. A polish would move the solution to a corner.
+/// all of them: these bonds break. Deciding limits would move the solution away from there.
 fn is_rigid_plastic(program: &ConeProgram) -> bool {
     program.interactions.iter().any(|c| c.limits.tension > 0.0 && c.normal_compliance == 0.0)
         && !program.is_dynamic()
-}
-
-/// The interior point in the numbering of the lowered program.
-fn lowered_point(scaled: &Scaled, order: &[usize], low: &Lowered, result: &Interior) -> Point {
-    let mut x = vec![0.0; low.linear.len()];
-    let mut z = vec![0.0; low.right.len()];
-    let mut row = low.balance_rows;
-    for (k, local) in scaled.locals.iter().enumerate() {
-        for (column, f) in (low.columns[k]..).zip((0..3).filter(|f| local.has[*f])) {
-            x[column] = result.s[k][f];
-        }
-        for q in 0..local.count {
-            z[row] = result.lambda[k][q];
-            row += 1;
-        }
-    }
-    let mut column = low
-        .columns
-        .last()
-        .map_or(0, |_| scaled.locals.iter().map(|l| l.has.iter().filter(|h| **h).count()).sum());
-    for (rows, i) in low.rows.iter().zip(places(order)) {
-        for k in 0..3 {
-            if let Some(r) = rows[k] {
-                z[r] = -result.u[i][k];
-                if scaled.weight[i][k] > 0.0 {
-                    x[column] = scaled.weight[i][k].sqrt() * result.u[i][k];
-                    column += 1;
-                }
-            }
-        }
-    }
-    Point { x, z }
 }
 
 /// The units and the order of the matrix, and the program that judges what is found in them.

@@ -340,6 +340,16 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         multipliers[self.number][..Q].copy_from_slice(&self.slacks.lambda);
     }
 
+    /// Takes forces and multipliers from their places in the program, and the slacks of the forces.
+    pub fn restore(&mut self, forces: &[[f64; 3]], multipliers: &[[f64; ROWS]]) {
+        self.s = first(&forces[self.number]);
+        for q in 0..Q {
+            self.slacks.lambda[q] = multipliers[self.number][q];
+            self.slacks.w[q] = self.law.right[q] - self.law.limit(q, &self.s);
+        }
+        self.step = Step::default();
+    }
+
     /// Copies the steps of the forces to their places in the program.
     pub fn store_steps(&self, forces: &mut [[f64; 3]]) {
         forces[self.number][..F].copy_from_slice(&self.step.s);
@@ -349,13 +359,12 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// responses to the residuals and to the products.
     pub fn condense(
         &mut self,
-        min_compliance: [f64; 2],
+        min_compliance: f64,
         matrix: &mut Assembly,
         right: &mut [Rows; 2],
     ) {
         let Self { law, slacks, .. } = self;
-        let has_strength = law.right.iter().any(|right| *right > 0.0);
-        self.system.set(law, slacks, min_compliance[usize::from(has_strength)]);
+        self.system.set(law, slacks, min_compliance);
         matrix.add(self.number, &law.rows, &self.system.stiffness);
         let e = self.stationarity.map(|r| -r);
         let b = self.defect.map(|d| -d);
@@ -457,6 +466,30 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
             let (dw, dlambda) = (self.step.w[q] + rho * w, self.step.lambda[q] + rho * lambda);
             ahead.add(w, lambda, dw, dlambda);
+        }
+    }
+
+    /// Number of limits that have slack and multiplier, or violate either, by more than `size`.
+    pub fn undecided(&self, size: f64) -> usize {
+        (0..Q).filter(|q| self.is_undecided(*q, size)).count()
+    }
+
+    fn is_undecided(&self, q: usize, size: f64) -> bool {
+        let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
+        !(w.min(lambda).abs() <= size)
+    }
+
+    /// Moves the slacks and multipliers of undecided limits to a product, with their difference as
+    /// it is. The step that follows keeps all products.
+    pub fn decide(&mut self, size: f64, product: f64) {
+        self.correction = [0.0; Q];
+        for q in 0..Q {
+            let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
+            if !(w.min(lambda) <= size && w.min(lambda) > 0.0) {
+                let left = self.law.right[q] - self.law.limit(q, &self.s);
+                let w = slack(left - self.slacks.lambda[q], product);
+                (self.slacks.w[q], self.slacks.lambda[q]) = (w, product / w);
+            }
         }
     }
 

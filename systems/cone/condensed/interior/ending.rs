@@ -12,6 +12,14 @@ const NEAR: f64 = 1e4;
 /// a solution already.
 const MAX_IDLE: usize = 3;
 
+/// Maximum number of times that limits are decided. Of 32 increments of a specimen that breaks, 28
+/// take up to three.
+const MAX_DECISIONS: usize = 4;
+/// Slack and multiplier that leave a limit undecided, over those that a solution may have.
+const SMALL: f64 = 1e-4;
+/// What a decision gives to slack and multiplier where both vanish, over the tolerance.
+const DECIDED: f64 = 1e-4;
+
 /// Memory of earlier points.
 pub struct Ending<'a> {
     settings: &'a InteriorSettings,
@@ -80,7 +88,7 @@ impl<'a> Ending<'a> {
 
     /// Whether a point with this residual is accurate enough, given that the best one is a solution.
     fn is_done(&self, merit: f64, is_slow: bool) -> bool {
-        let Goal { residual, at_once } = self.goal;
+        let Goal { residual, at_once, .. } = self.goal;
         at_once || merit <= residual || (is_slow && merit <= self.settings.near * residual)
     }
 
@@ -108,6 +116,46 @@ impl<'a> Ending<'a> {
             }
         }
         None
+    }
+
+    /// Decides of every limit whether it is active, where that leads to a solution. A product says
+    /// little of a limit that is just reached: slack and multiplier are both its root. Returns how the
+    /// method ends.
+    pub fn decide(&mut self, iteration: &mut Iteration, judge: &impl Judge, size: f64) -> End {
+        if self.solution.is_none() {
+            iteration.restore(&self.best);
+        }
+        // Limits that are decided by less mislead where grains are loose: first the clear ones.
+        for small in [size, SMALL * size] {
+            let Some(point) = self.decided(iteration, judge, small, DECIDED * size) else { break };
+            self.solution = Some(point);
+        }
+        self.limit()
+    }
+
+    /// The solution after the steps that leave no limit undecided by more than `small`.
+    fn decided(
+        &mut self,
+        iteration: &mut Iteration,
+        judge: &impl Judge,
+        small: f64,
+        rest: f64,
+    ) -> Option<Interior> {
+        let mut point = self.best.clone();
+        for _ in 0..MAX_DECISIONS {
+            if iteration.undecided(small) == 0 {
+                iteration.store(&mut point);
+                if judge.is_solution(&point) {
+                    return Some(point);
+                }
+            }
+            if !iteration.decide(small, rest) {
+                return None;
+            }
+            self.iterations += 1;
+        }
+        iteration.store(&mut point);
+        (iteration.undecided(small) == 0 && judge.is_solution(&point)).then_some(point)
     }
 
     /// How the method ends where it cannot go on.

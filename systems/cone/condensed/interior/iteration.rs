@@ -15,6 +15,9 @@ const MAX_START: f64 = 1e4;
 /// Round-off of the duality gap over the magnitude of its terms. The step of tau follows from the
 /// gap, and below this it would follow from noise.
 const GAP_ROUND_OFF: f64 = 1e-11;
+/// Round-off of the kinematics over the maximum displacement. A multiplier has it too, and the gap
+/// counts it times the strength, which may be thousands of times the loads.
+const KINEMATIC_ROUND_OFF: f64 = 1e-15;
 /// Defect of a linear solve, over the maximum force, that round-off leaves.
 const SOLVE_ROUND_OFF: f64 = 1e-14;
 /// Maximum number of refinements of a linear solve.
@@ -45,9 +48,8 @@ pub struct Iteration<'a> {
     k: f64,
     /// Number of products: those of the limits and that of tau and kappa.
     products: f64,
-    /// Minimum compliances of interactions without and with strength in a step, displacement over
-    /// force.
-    min_compliance: [f64; 2],
+    /// Minimum compliance of an interaction in a step, displacement over force.
+    min_compliance: f64,
     /// Whether tau moves. It stays 1 where a solution is known to exist or no proof is sought, and
     /// saves a solve an iteration.
     is_embedded: bool,
@@ -60,9 +62,12 @@ pub struct Iteration<'a> {
     unbalance: f64,
     /// Residuals of the interactions.
     sizes: Sizes,
-    /// Residual of the duality gap, and the sum of the magnitudes of its terms.
+    /// Residual of the duality gap.
     gap: f64,
-    gap_terms: f64,
+    /// Its round-off.
+    gap_round_off: f64,
+    /// Sum of the strengths of the limits, force.
+    strengths: f64,
     /// Mean product.
     mu: f64,
     /// Weights of the degrees of freedom in the matrix.
@@ -119,7 +124,8 @@ impl<'a> Iteration<'a> {
             unbalance: 0.0,
             sizes: Sizes::default(),
             gap: 0.0,
-            gap_terms: 0.0,
+            gap_round_off: 0.0,
+            strengths: program.locals.iter().flat_map(|l| &l.right).map(|b| b.abs()).sum(),
             mu: 0.0,
             weight: zeros.clone(),
             rights: std::array::from_fn(|_| zeros.clone()),
@@ -156,7 +162,7 @@ impl<'a> Iteration<'a> {
 
     /// The mean product, and the residual of `k = f'u - l's - b'lambda - u'Mu - s'Cs`.
     fn update_gap(&mut self) {
-        let Self { program, u, sizes, .. } = self;
+        let Self { program, u, sizes, strengths, .. } = self;
         self.mu = (sizes.products + self.k) / self.products;
         if !self.is_embedded {
             return;
@@ -165,7 +171,9 @@ impl<'a> Iteration<'a> {
         let energy =
             sizes.energy + program.sum_of_free(|i, k| program.weight[i][k] * u[i][k].powi(2));
         self.gap = self.k - (work - sizes.linear - sizes.strength - energy);
-        self.gap_terms = work.abs() + sizes.linear.abs() + sizes.strength.abs() + energy;
+        self.gap_round_off =
+            GAP_ROUND_OFF * (work.abs() + sizes.linear.abs() + sizes.strength.abs() + energy)
+                + KINEMATIC_ROUND_OFF * max_magnitude(u) * *strengths;
     }
 
     /// Whether all residuals are numbers.
@@ -204,6 +212,16 @@ impl<'a> Iteration<'a> {
         }
     }
 
+    /// Goes back to an earlier point.
+    pub fn restore(&mut self, point: &Interior) {
+        self.u = self.program.with_known(&point.u);
+        (self.is_embedded, self.tau, self.k) = (false, 1.0, 0.0);
+        for cells in self.groups.all() {
+            for_each!(cell of cells => cell.restore(&point.s, &point.lambda));
+        }
+        self.update_residuals();
+    }
+
     /// Copies the last step of the point, displacements and forces.
     pub fn store_step(&mut self, point: &mut Interior) {
         point.u.clear();
@@ -225,9 +243,9 @@ impl<'a> Iteration<'a> {
         // Neither holds a point back that goes to infinity for want of a solution, and neither
         // changes a solution, since they act on the step alone.
         let scale = self.tau.clamp(MIN_TAU, 1.0);
-        let of_products = settings.proximal * (self.mu * self.tau * self.tau).min(1.0);
+        let of_products = settings.proximal * (self.mu * scale * scale).min(1.0);
         let proximal = scale * (settings.min_proximal + of_products);
-        let min_compliance = self.min_compliance.map(|c| scale * (c + of_products));
+        let min_compliance = scale * (self.min_compliance + of_products);
         let [of_residuals, of_products, _] = rights;
         for i in 0..n {
             for k in 0..3 {
@@ -294,7 +312,7 @@ impl<'a> Iteration<'a> {
         if !self.is_embedded {
             return 0.0;
         }
-        let denominator = self.k + self.gains.squares + GAP_ROUND_OFF * self.gap_terms;
+        let denominator = self.k + self.gains.squares + self.gap_round_off;
         let Gains { of_residuals, of_products, .. } = self.gains;
         ((self.gap - of_kappa - of_residuals - of_products - gain) / denominator).min(MAX_GROWTH)
     }
@@ -363,6 +381,45 @@ impl<'a> Iteration<'a> {
         }
         ahead.bound_growth(MAX_PRODUCTS);
         self.make_step(ahead.length, rho, dk)
+    }
+
+    /// Number of limits that have slack and multiplier, or violate either, by more than `size`.
+    pub fn undecided(&mut self, size: f64) -> usize {
+        let counts = self.groups.each(|cells| {
+            let mut count = 0;
+            for_each!(cell of cells => count += cell.undecided(size));
+            count
+        });
+        counts.into_iter().sum()
+    }
+
+    /// Gives to the larger of slack and multiplier what limits with both above `size` have, with
+    /// `rest` for both where they are equal. Then makes a whole Newton step, whatever it violates.
+    /// Returns whether the point is a number.
+    pub fn decide(&mut self, size: f64, rest: f64) -> bool {
+        for cells in self.groups.all() {
+            for_each!(cell of cells => cell.decide(size, rest * rest));
+        }
+        self.update_residuals();
+        self.assemble();
+        let [of_residuals, of_products, _] = &self.rights;
+        for (right, (r, p)) in self.right.iter_mut().zip(of_residuals.iter().zip(of_products)) {
+            *right = std::array::from_fn(|k| r[k] + p[k]);
+        }
+        self.du.clone_from(&self.right);
+        if !self.matrix.factorise_shifted_and_solve(&mut self.du[..self.program.free.len()]) {
+            return false;
+        }
+        self.program.images.spread(&mut self.du);
+        self.refine();
+        let Self { groups, du, .. } = self;
+        groups.each(|cells| {
+            let mut ahead = Ahead::default();
+            for_each!(cell of cells => cell.set_step(du, 1.0, 1.0, 0.0, &mut ahead));
+        });
+        let is_finite = self.make_step(1.0, 0.0, 0.0);
+        self.update_residuals();
+        is_finite && self.is_finite()
     }
 
     /// The steps of tau, over tau, and of k that belong to the corrector.
@@ -437,14 +494,13 @@ impl<'a> Iteration<'a> {
     }
 }
 
-/// Minimum compliances of interactions without and with strength in a step, displacement over force.
-/// They bound the stiffnesses of the matrix, whose round-off must stay below the weakest stiffness that
-/// holds a body.
-fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> [f64; 2] {
+/// Minimum compliance of an interaction in a step, displacement over force. It bounds the stiffnesses
+/// of the matrix, whose round-off must stay below the weakest stiffness that holds a body.
+fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> f64 {
     let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
     let weakest = free.filter(|(free, _)| **free).map(|(_, w)| *w).fold(f64::INFINITY, f64::min);
     let [lower, upper] = settings.min_compliance;
-    [lower, (MATRIX_ROUND_OFF / weakest.max(settings.min_proximal)).clamp(lower, upper)]
+    (MATRIX_ROUND_OFF / weakest.max(settings.min_proximal)).clamp(lower, upper)
 }
 
 /// Derivative of the duality gap along a step of the bodies.

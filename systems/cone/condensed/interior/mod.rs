@@ -38,6 +38,12 @@
 //! tau, point and step are tested as mechanism and as lock. All three tests are those that the
 //! engine makes of a result from any solver.
 //!
+//! **Limits that are just reached.** Where slack and multiplier of a limit both vanish, both are the
+//! root of its product at a point that solves the program. Newton steps that follow decide them: with
+//! x the slack less the multiplier, slack and multiplier become the positive and the negative part of
+//! x, and the step takes the residuals that this leaves, without regard to the boundary. They use the
+//! same elimination and factorisation as an iteration.
+//!
 //! | file | what |
 //! |---|---|
 //! | `point` | a point, where the method starts, and what judges it |
@@ -93,6 +99,11 @@ pub fn solve(
             break ending.limit();
         }
         iteration.update_residuals();
+    };
+    let end = match (end, goal.decided) {
+        (End::Solved, _) if goal.in_middle => end,
+        (End::Solved | End::Limit, Some(size)) => ending.decide(&mut iteration, judge, size),
+        _ => end,
     };
     (end, ending.into_point(end))
 }

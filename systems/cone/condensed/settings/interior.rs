@@ -35,10 +35,9 @@ pub struct InteriorSettings {
     ///
     /// 1e-10: decision 001.
     pub min_proximal: f64,
-    /// Bounds of the minimum compliance of an interaction in a step, displacement over force. That of
-    /// an interaction without strength is the first: without load its limits give it a compliance. A
-    /// bond within its limits is as stiff as this allows. Its minimum is, between the bounds, the
-    /// round-off of the matrix over the weakest stiffness that holds a body.
+    /// Bounds of the minimum compliance of an interaction in a step, displacement over force. An
+    /// interaction within its limits is as stiff as this allows. Its minimum is, between the bounds,
+    /// the round-off of the matrix over the weakest stiffness that holds a body.
     ///
     /// 1e-9: with 1e-12 one random program in 300 remains undecided, mostly those that have a
     /// solution. 1e-6: with 1e-9, 36 of 45 steps of rigid bonded specimens that hang on the

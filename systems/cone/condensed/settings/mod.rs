@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
-use crate::polish::PolishSettings;
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 const DEFAULT_RESIDUAL: f64 = 1e-8;
@@ -35,8 +34,8 @@ pub struct CondensedSettings {
     /// 0.9: the judge of the increment computes the residual again, with different round-off.
     #[serde(skip)]
     pub safety: f64,
-    /// A tolerance above this is loose: small programs are not polished, and dynamic programs end
-    /// with the first point within the tolerance.
+    /// A tolerance above this is loose: active limits are not decided, and dynamic programs end with
+    /// the first point within the tolerance.
     ///
     /// The default tolerance. Ending with the first point saves an eighth of the iterations in
     /// dynamics. It must not happen in statics, where it threw grains in 129 of 169 increments
@@ -51,19 +50,16 @@ pub struct CondensedSettings {
     ///
     /// 3: decision 001.
     pub loose_newton_margin: f64,
-    /// Tolerance over the goal of the interior point. The polish that follows needs a point that is
-    /// more exact than the tolerance.
+    /// Tolerance over the goal of the interior point. Which limits are active shows only at a point
+    /// that is more exact than the tolerance.
     ///
     /// 900: a goal of 1e-11 for the default tolerance. Decision 001.
     pub interior_margin: f64,
-    /// Number of interactions above which a program is large. A large program is not polished.
+    /// Number of interactions above which a program is large: its limits are not decided, and without
+    /// bonds a time step ends with the first point within the tolerance.
     ///
-    /// 2500: beyond, the polish costs more than it gains.
+    /// 2500: beyond, exact forces cost more than they gain.
     pub large: usize,
-    /// Maximum residual of an interior point that is worth a polish.
-    ///
-    /// 1e-3: a guess of the active limits needs a point near the solution. Inert in decision 001.
-    pub max_polished_residual: f64,
     /// Maximum displacement of a starting point. A body beyond starts from zero: a start far away
     /// (a grain that settled, another increment) is worse than none.
     ///
@@ -84,9 +80,6 @@ pub struct CondensedSettings {
     /// Sleeping bodies.
     #[serde(skip)]
     pub sleep: SleepSettings,
-    /// Polish of the solution of the interior point, in small programs.
-    #[serde(skip)]
-    pub polish: PolishSettings,
 }
 
 impl Default for CondensedSettings {
@@ -100,14 +93,12 @@ impl Default for CondensedSettings {
             loose_newton_margin: 3.0,
             interior_margin: 900.0,
             large: 2500,
-            max_polished_residual: 1e-3,
             max_start: 20.0,
             newton: NewtonSettings::default(),
             local: LocalSettings::default(),
             interior: InteriorSettings::default(),
             warm: WarmSettings::default(),
             sleep: SleepSettings::default(),
-            polish: PolishSettings::default(),
         }
     }
 }
