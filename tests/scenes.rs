@@ -123,6 +123,19 @@ scenes! {
         ("peak_stress_pa", 5277498.702668401),
         ("strain_at_peak", 0.0009153333041795734),
     ];
+    // It slides where the motion finds no rest, under 2.24 times its weight.
+    slope: "slope", COLLAPSES, &[
+        ("porosity", 0.16287299296923363),
+        ("bonds_created", 2500.0),
+    ];
+    slope_block: "slope_block", COMPLETES, &[
+        ("porosity", 0.16558637195698533),
+        ("bonds_created", 2473.0),
+        ("youngs_modulus_pa", 162673825.76075056),
+        ("first_crack_stress_pa", 55123.244446348304),
+        ("peak_stress_pa", 74122.01852752923),
+        ("strain_at_peak", 0.0004552836337428009),
+    ];
     retaining_wall: "retaining_wall", COMPLETES, &[
         ("porosity", 0.20474922141150764),
     ];
@@ -395,26 +408,36 @@ fn small_biaxial_specimen_is_the_one_that_is_stored() {
     leaves("prepare_biaxial_small", "biaxial_400.csv", 37);
 }
 
-/// The state that `prepare_and_branch` saves is the one that is stored, from which the others
-/// start.
-#[test]
-fn packing_to_branch_from_is_the_one_that_is_stored() {
-    let path = directory().join("prepare_and_branch.ron");
-    let loaded = scene::load(&path, &[]).unwrap_or_else(|e| panic!("{e}"));
+/// The state that a scene saves is the one that is stored, from which others start.
+#[track_caller]
+fn saves(name: &str, stored: &str, state: &str, particles: usize) {
+    let loaded = scene::load(&directory().join(name).with_extension("ron"), &[]).unwrap();
     let mut simulation = Simulation::new(&loaded.scene, None);
-    simulation.run();
-    let stored = fs::read(directory().join("specimens/branch_200.npz")).unwrap();
+    while simulation.world().get_resource::<SavedStates>().is_none()
+        && !matches!(simulation.step(), Step::Finished(_))
+    {}
+    let stored = fs::read(directory().join("specimens").join(stored)).unwrap();
     let stored = Tables::decode(&stored).unwrap();
     let kept = simulation.world().resource::<SavedStates>();
     let [(name, found)] = kept.0.as_slice() else { panic!("{} states", kept.0.len()) };
-    assert_eq!(name, "state_packing.npz");
+    assert_eq!(name, state);
     assert!(found.iter().map(|(name, _)| name).eq(stored.iter().map(|(name, _)| name)));
     // Compaction and friction amplify the round-off of the machine.
-    let places = |of: &Tables| of.vectors::<2>("particles.position_m", 200).unwrap();
+    let places = |of: &Tables| of.vectors::<2>("particles.position_m", particles).unwrap();
     for (id, (x, y)) in places(found).into_iter().zip(places(&stored)).enumerate() {
         let difference = (DVec2::from(x) - DVec2::from(y)).length();
         assert!(difference < 1e-8, "particle {id}: {difference:e} m");
     }
+}
+
+#[test]
+fn packing_to_branch_from_is_the_one_that_is_stored() {
+    saves("prepare_and_branch", "branch_200.npz", "state_packing.npz", 200);
+}
+
+#[test]
+fn ground_of_the_slope_is_the_one_that_is_stored() {
+    saves("slope", "slope_ground.npz", "state_ground.npz", 1066);
 }
 
 /// The scene files by name, with their text.

@@ -9,6 +9,7 @@
 ``emission``                 acoustic emission: exponents, b-values, Kaiser effect
 ``sweep``, ``envelope``      many runs, one table
 ``calibrate``                parameters of grains and bonds from targets of the specimen
+``stability``                the factor at which a slope slides, beside the bound of limit analysis
 ===========================  =================================================================
 
 Units are SI; compression, contraction and anticlockwise rotation are positive.
@@ -19,9 +20,11 @@ from ._engine import __version__
 from .calibration import Calibration, calibrate
 from .errors import RunError, RunWarning, SceneError
 from .frame import STATES, Fabric, Frame
+from .log_spiral import LogSpiral, critical_factor, log_spiral
 from .results import Run, open
 from .run import check, resume, run
 from .simulation import Simulation, State
+from .stability import Stability, stability
 from .studies import Envelope, Study, envelope, sweep
 from .targets import Curve, Parameter, Target, cohesion, friction_angle, hoek_brown_m
 
@@ -32,12 +35,14 @@ __all__ = [
     "Envelope",
     "Fabric",
     "Frame",
+    "LogSpiral",
     "Parameter",
     "Run",
     "RunError",
     "RunWarning",
     "SceneError",
     "Simulation",
+    "Stability",
     "State",
     "Study",
     "Target",
@@ -45,13 +50,16 @@ __all__ = [
     "calibrate",
     "check",
     "cohesion",
+    "critical_factor",
     "emission",
     "envelope",
     "figures",
     "friction_angle",
     "hoek_brown_m",
+    "log_spiral",
     "open",
     "resume",
     "run",
+    "stability",
     "sweep",
 ]

@@ -16,24 +16,16 @@ SciPy solves for a step. Its own searches repeat the differences for each step, 
 
 from __future__ import annotations
 
-import hashlib
 import os
-import warnings
-from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from pathlib import Path
-from threading import Lock
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _engine
+from ._folders import Folders
 from ._scene import Scene, Settings, _nested
-from .errors import RunWarning
 from .results import Run
-from .run import check, run
 from .targets import POINTS, Curve, Parameter, Target, scale
 
 if TYPE_CHECKING:
@@ -80,30 +72,20 @@ class _Search:
     seeds: Sequence[int | None]
     seed_paths: Sequence[str]
     prepare: tuple[Scene, Settings] | None
-    out: Path
-    jobs: int | None
+    folders: Folders
     #: Logarithms of the factors on stiffnesses and strengths that the runs have.
     factors: np.ndarray = field(default_factory=lambda: np.zeros(2))
     #: What the errors of all seeds differ by from those of the first.
     offsets: list[Any] = field(default_factory=list)
-    rows: dict[Path, dict[str, Any]] = field(default_factory=dict)
-    found: dict[Path, Run | None] = field(default_factory=dict)
     #: Tests and names of ratios that do not act on them, and the ratios with which such tests were made.
     idle: set[tuple[str, str]] = field(default_factory=set)
     held: dict[str, float] = field(default_factory=dict)
     #: Latest runs by test and seed.
     last: dict[tuple[str, int | None], Run | None] = field(default_factory=dict)
-    #: One for each folder, so that tests of one text make one run.
-    locks: defaultdict[Path, Lock] = field(default_factory=lambda: defaultdict(Lock))
 
     def __post_init__(self) -> None:
         self.sought = [p for p in self.parameters if p.scales is None]
         self.offsets = [0.0 for _ in self.targets]
-
-    @property
-    def made(self) -> int:
-        """Number of runs that were made."""
-        return sum(not row["cached"] for row in self.rows.values())
 
     def values(self, parts: np.ndarray) -> dict[str, float]:
         """Values of all parameters."""
@@ -125,11 +107,9 @@ class _Search:
 
         tests = [name for name in self.tests if any(name in self.targets[i].tests for i in chosen)]
         work = [(test, seed) for test in tests for seed in seeds]
-        with ThreadPoolExecutor(self.jobs or os.cpu_count()) as pool, warnings.catch_warnings():
-            # Doubts are in the column `marks`.
-            warnings.simplefilter("ignore", RunWarning)
-            specimens = dict(zip(seeds, pool.map(self.specimen, seeds)))
-            runs = dict(zip(work, pool.map(lambda w: self.test(*w, values(w[0]), specimens[w[1]]), work)))
+        specimens = dict(zip(seeds, self.folders.map(self.specimen, seeds)))
+        made = self.folders.map(lambda w: self.test(*w, values(w[0]), specimens[w[1]]), work)
+        runs = dict(zip(work, made))
         self.last = runs
         measured = []
         for target in (self.targets[i] for i in chosen):
@@ -153,7 +133,7 @@ class _Search:
         if self.prepare is None:
             return at_seed
         scene, sets = self.prepare
-        done = self.run({"test": "prepare", "seed": seed}, scene, {**sets, **at_seed})
+        done = self.folders.run({"test": "prepare", "seed": seed}, scene, {**sets, **at_seed})
         return done and {"specimen.path": _nested(str(done.path / "final_state.npz"))}
 
     def test(
@@ -165,31 +145,8 @@ class _Search:
         scene, sets = self.tests[test]
         settings = {**sets, **specimen}
         settings |= {path: values[p.name] for p in self.parameters for path in p.paths_of(test)}
-        return self.run({"test": test, "seed": seed, **values}, scene, settings)
-
-    def run(self, row: dict[str, Any], scene: Scene, settings: Settings) -> Run | None:
-        """A run, unless one of the same text is there. None if it failed."""
-        # The directory may be moved, and its runs stay what they are.
-        text = check(scene, settings)["text"].replace(str(self.out), "")
-        folder = self.out / hashlib.sha256(f"{_engine.__version__}\n{text}".encode()).hexdigest()[:16]
-        with self.locks[folder]:
-            return self.found[folder] if folder in self.rows else self.make(row, folder, scene, settings)
-
-    def make(self, row: dict[str, Any], folder: Path, scene: Scene, settings: Settings) -> Run | None:
-        """The run of a folder, and its row."""
-        ended = ("completed", "collapsed", "undecided", "refused")
-        there = (folder / "run.json").exists() and Run(folder).status in ended
-        done = Run(folder) if there else run(scene, settings, folder, force=True, threads=1, progress=False)
-        row |= {"directory": str(folder), "cached": there, "status": done.status}
-        row |= {"marks": "; ".join(done.marks)}
-        row |= {
-            t.name: done.results[t.name]
-            for t in self.targets
-            if row["test"] in t.tests and t.name in done.results
-        }
-        self.rows[folder] = row
-        self.found[folder] = done if done.status in ("completed", "collapsed") else None
-        return self.found[folder]
+        names = [t.name for t in self.targets if test in t.tests]
+        return self.folders.run({"test": test, "seed": seed, **values}, scene, settings, names)
 
     def errors(self, measured: list[list], chosen: Sequence[int], factors: np.ndarray) -> list[np.ndarray]:
         """Errors of the chosen targets of all seeds once the results are scaled by more factors."""
@@ -271,7 +228,7 @@ class _Search:
         self.held = self.values(parts)
         error = self.trial(parts, chosen)
         box = MAXIMUM
-        while free and np.linalg.norm(error) > goal and box > MINIMUM and self.made < most:
+        while free and np.linalg.norm(error) > goal and box > MINIMUM and self.folders.made < most:
             if slopes is None:
                 start = self.measured
                 slopes = np.column_stack([self.slope(parts, i, chosen, error, start) for i in free])
@@ -400,8 +357,7 @@ def calibrate(
         list(seeds) or [None],
         seed_paths,
         None if prepare is None else pair(prepare),
-        Path(out).absolute(),
-        jobs,
+        Folders(out, jobs),
     )
     parts = np.array([p.part(p.start) for p in search.sought])
     every = list(range(len(targets)))
@@ -410,7 +366,7 @@ def calibrate(
     slopes: list[np.ndarray | None] = [None] * len(groups)
     best, message = (np.inf, {}, []), "no search brought the results nearer"
     for _ in range(SEARCHES):
-        before = len(search.rows)
+        before = len(search.folders.rows)
         for k, (free, chosen) in enumerate(groups):
             search.compare(parts, chosen)
             # Two targets that pull in opposite directions then have half the tolerance each.
@@ -431,10 +387,10 @@ def calibrate(
         if missing := [t for t, e in zip(targets, errors) if not np.isfinite(e).all()]:
             message = search.doubt(missing[0])
             break
-        if search.made >= max_runs:
+        if search.folders.made >= max_runs:
             message = f"{max_runs} runs were made"
             break
-        if len(search.rows) == before:
+        if len(search.folders.rows) == before:
             break
     else:
         message = f"{SEARCHES} searches were made"
@@ -446,13 +402,13 @@ def calibrate(
         {"test": ", ".join(t.tests), "result": t.name, "target": t.value, **t.row(seeds)}
         for t, seeds in zip(targets, measured)
     )
-    runs = pandas.DataFrame(search.rows.values())
+    runs = pandas.DataFrame(search.folders.rows.values())
     return Calibration(
         parameters=values,
         targets=table,
         runs=runs,
-        made=search.made,
-        cached=len(runs) - search.made,
+        made=search.folders.made,
+        cached=len(runs) - search.folders.made,
         success=worst <= 1.0,
         message=message,
     )

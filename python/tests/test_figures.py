@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import matplotlib.pyplot as plt
@@ -28,13 +29,18 @@ def _closed():
 
 
 @pytest.fixture
-def run(name: str, request: pytest.FixtureRequest) -> clastic.Run:
-    """A run that has what the figure shows."""
+def run(name: str, request: pytest.FixtureRequest) -> Any:
+    """A run that has what the figure shows, or a slope."""
+    if name == "slide":
+        slides = pandas.DataFrame(
+            [{"directory": request.getfixturevalue("biaxial").path, "toe": (0.02, 0.02)}]
+        )
+        return SimpleNamespace(slides=slides, height=0.1, mechanism=clastic.log_spiral(60.0, 20.0))
     return request.getfixturevalue("cyclic" if name in EMISSION else "biaxial")
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_figure_draws(name: str, run: clastic.Run, tmp_path: Path) -> None:
+def test_a_figure_draws(name: str, run: Any, tmp_path: Path) -> None:
     draw = getattr(figures, name)
     drawn = np.atleast_1d(draw(run))
     for ax in drawn:
@@ -61,7 +67,7 @@ def fits(figure: Figure) -> bool:
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_a_figure_fits_its_page(name: str, run: clastic.Run) -> None:
+def test_a_figure_fits_its_page(name: str, run: Any) -> None:
     draw = getattr(figures, name)
     drawn = [draw(run)]
     if "cracks" in inspect.signature(draw).parameters:

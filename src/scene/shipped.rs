@@ -61,6 +61,8 @@ static FILES: &[(&str, &[u8])] = &files! {
     "sieve_curve.ron"
     "simple_shear_periodic.ron"
     "simple_shear_periodic_undrained.ron"
+    "slope.ron"
+    "slope_block.ron"
     "stack.ron"
     "tension.ron"
     "three_point_bending.ron"
@@ -75,6 +77,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "specimens/biaxial_400.csv"
     "specimens/biaxial_6160.csv"
     "specimens/branch_200.npz"
+    "specimens/slope_ground.npz"
     "specimens/uniaxial_400.csv"
     "specimens/uniaxial_7380.csv"
 };

@@ -12,6 +12,7 @@ of the specimen      ``specimen``, ``bonds``, ``force_chains``, ``stress``, ``fr
                      ``layers``, ``rotation``, ``displacement``, ``shear_strain``,
                      ``volumetric_strain``, ``localisation``
 of the emission      ``emission_sizes``, ``b_value``, ``emission_cycles``, ``foci``
+of a slope           ``slide``
 of directions        ``crack_rose``, ``contact_rose``, ``force_rose``
 ===================  ==========================================================================
 
@@ -21,6 +22,7 @@ Figures of the history take runs, those of the specimen a run with a moment (``a
 from .curves import energies, fabric, force_displacement, mohr, stress_strain, volumetric
 from .emission import b_value, emission_cycles, emission_sizes
 from .roses import contact_rose, crack_rose, force_rose
+from .slopes import slide
 from .specimen import (
     bonds,
     displacement,
@@ -59,6 +61,7 @@ __all__ = [
     "mohr",
     "rotation",
     "shear_strain",
+    "slide",
     "specimen",
     "stress",
     "stress_strain",
