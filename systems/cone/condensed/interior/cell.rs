@@ -357,12 +357,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
 
     /// Sets up the system, adds its stiffness to the matrix, and its part to the right sides of the
     /// responses to the residuals and to the products.
-    pub fn condense(
-        &mut self,
-        min_compliance: f64,
-        matrix: &mut Assembly,
-        right: &mut [Rows; 2],
-    ) {
+    pub fn condense(&mut self, min_compliance: f64, matrix: &mut Assembly, right: &mut [Rows; 2]) {
         let Self { law, slacks, .. } = self;
         self.system.set(law, slacks, min_compliance);
         matrix.add(self.number, &law.rows, &self.system.stiffness);

@@ -171,9 +171,9 @@ impl<'a> Iteration<'a> {
         let energy =
             sizes.energy + program.sum_of_free(|i, k| program.weight[i][k] * u[i][k].powi(2));
         self.gap = self.k - (work - sizes.linear - sizes.strength - energy);
-        self.gap_round_off =
-            GAP_ROUND_OFF * (work.abs() + sizes.linear.abs() + sizes.strength.abs() + energy)
-                + KINEMATIC_ROUND_OFF * max_magnitude(u) * *strengths;
+        self.gap_round_off = GAP_ROUND_OFF
+            * (work.abs() + sizes.linear.abs() + sizes.strength.abs() + energy)
+            + KINEMATIC_ROUND_OFF * max_magnitude(u) * *strengths;
     }
 
     /// Whether all residuals are numbers.
