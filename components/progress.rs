@@ -1,8 +1,9 @@
 //! How far a stage has come.
 
-use crate::body::Ramp;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
+
+use crate::body::Ramp;
 
 /// How far the run has come. Increments count over all stages; an increment that had to be
 /// halved is committed as several with a smaller fraction each.
@@ -19,6 +20,10 @@ pub struct ClasticProgress {
     pub done: f64,
     /// Number of increments of the stage; 0 without a stage, as in an app that has begun none.
     pub total: f64,
+    /// Points (increments done, share) of the way of all loads of the stage from their values at
+    /// its start to their targets, in ascending order: linear between whole increments, constant
+    /// after the last. Without points the share is `done/total`.
+    pub course: Vec<[f64; 2]>,
     /// Fraction of a whole increment: that of the trial, or that of the committed increment.
     pub fraction: f64,
     /// Fraction that the increment tried before an
@@ -42,6 +47,7 @@ impl Default for ClasticProgress {
             stage_name: String::new(),
             done: 0.0,
             total: 0.0,
+            course: Vec::new(),
             fraction: 1.0,
             tried: 1.0,
             relaxing: false,
@@ -58,13 +64,19 @@ impl ClasticProgress {
         self.done >= self.total && !self.relaxing
     }
 
-    /// The ramp, over the next whole increment, of a load that goes linearly from one value to
-    /// another over the stage. At the end of the stage the target is met exactly. The ramp goes on
-    /// beyond it where only a part of the last increment is left: fractions are of whole
-    /// increments. After the stage the load stays at its target. Without a stage, `total` is 0, and
-    /// the load is at its target from the first increment on.
+    /// The ramp, over the next whole increment, of a load that goes from one value to another over
+    /// the stage, linearly or on its [`course`](Self::course). Where its share is 1 the target is met
+    /// exactly. The ramp goes on beyond the end of the stage where only a part of the last increment
+    /// is left: fractions are of whole increments. After the stage the load stays where it is.
+    /// Without a stage, `total` is 0, and the load is at its target from the first increment on.
     #[must_use]
     pub fn ramp(&self, from: f64, to: f64) -> Ramp {
+        if !self.course.is_empty() {
+            return self.next(|done| {
+                let share = value_at(&self.course, done.min(self.total), 1);
+                if share == 1.0 { to } else { from + share * (to - from) }
+            });
+        }
         if self.done >= self.total - 1e-9 {
             return Ramp { from: to, to };
         }
@@ -73,6 +85,16 @@ impl ClasticProgress {
             if is_end { to } else { from + (to - from) * (done / self.total) }
         };
         Ramp { from: at(self.done), to: at(self.done + 1.0) }
+    }
+
+    /// The ramp, over the next whole increment, of a value that is known where whole increments are
+    /// done. Within an increment it is linear, so that parts of it add up to the whole.
+    #[must_use]
+    pub fn next(&self, after: impl Fn(f64) -> f64) -> Ramp {
+        let whole = (self.done + 1e-9).floor();
+        let (from, to) = (after(whole), after(whole + 1.0));
+        let part = (self.done - whole) * (to - from);
+        Ramp { from: from + part, to: to + part }
     }
 
     /// The part of the stage that is over when `done` of its increments are: `done/total`, at most
@@ -95,18 +117,53 @@ impl ClasticProgress {
 
     /// The ends of a ramp over the stage that has the value now that this one has, and goes to
     /// another target. With `s = done/total` it starts at `(now - target s)/(1 - s)`. After the
-    /// stage, and without one, the load is at the new target from the next increment on.
+    /// stage, without one, and on a [`course`](Self::course), the load is at the new target from the
+    /// next increment on.
     #[must_use]
     pub fn retarget(&self, from: f64, to: f64, target: f64) -> (f64, f64) {
         let s = self.part(self.done);
         let now = self.ramp(from, to).from;
+        if !self.course.is_empty() {
+            return (target, target);
+        }
         (if s < 1.0 { (now - target * s) / (1.0 - s) } else { target }, target)
+    }
+}
+
+/// Value `k` at s of points (s, values): linear between them, constant before the first and after
+/// the last.
+#[must_use]
+pub fn value_at<const N: usize>(points: &[[f64; N]], s: f64, k: usize) -> f64 {
+    let next = points.partition_point(|point| point[0] <= s);
+    match (next.checked_sub(1).map(|last| &points[last]), points.get(next)) {
+        (Some(a), Some(b)) => {
+            let t = (s - a[0]) / (b[0] - a[0]);
+            a[k] * (1.0 - t) + b[k] * t
+        }
+        (Some(only), None) | (None, Some(only)) => only[k],
+        (None, None) => 0.0,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::ClasticProgress;
+
+    #[test]
+    fn loads_on_a_course_are_linear_within_an_increment_and_stay_after_the_stage() {
+        let course = vec![[0.0, 0.0], [1.5, 3.0], [4.0, -2.0]];
+        let mut progress = ClasticProgress { total: 4.0, course, ..ClasticProgress::default() };
+        let values = [10.0, 30.0, 50.0, 10.0, -30.0, -30.0];
+        for (done, pair) in (0_u32..).zip(values.windows(2)) {
+            for part in [0.0, 0.25] {
+                progress.done = f64::from(done) + part;
+                let (now, to) = (pair[0] + part * (pair[1] - pair[0]), pair[1] - pair[0]);
+                let ramp = progress.ramp(10.0, 20.0);
+                assert!((ramp.from - now).abs() + (ramp.to - now - to).abs() < 1e-12, "{ramp:?}");
+            }
+        }
+        assert_eq!(progress.retarget(10.0, 20.0, 7.0), (7.0, 7.0));
+    }
 
     /// A stage of 46 commits once ended at 192.8 of 200 kPa.
     #[test]

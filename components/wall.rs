@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use crate::body::{BodyExternalForce, BodyPosition, LastMotion, Ramp};
 use crate::increment::ClasticProgress;
 use crate::material::ContactLaw;
+use crate::progress::value_at;
 
 /// A rigid wall: an infinite line for contact, drawn between its ends, unless it has another
 /// [`WallShape`](crate::wall_shape::WallShape).
@@ -149,30 +150,11 @@ pub enum WallSlide {
 pub struct WallTable(pub Vec<[f64; 3]>);
 
 impl WallTable {
-    /// Value at s.
+    /// Ramps of x and y over the whole increment after the `progress.done` that are done.
     #[must_use]
-    pub fn at(&self, s: f64) -> DVec2 {
-        let value = |point: &[f64; 3]| DVec2::new(point[1], point[2]);
-        let next = self.0.partition_point(|point| point[0] <= s);
-        match (next.checked_sub(1).map(|k| &self.0[k]), self.0.get(next)) {
-            (Some(a), Some(b)) => value(a).lerp(value(b), (s - a[0]) / (b[0] - a[0])),
-            (Some(only), None) | (None, Some(only)) => value(only),
-            (None, None) => DVec2::ZERO,
-        }
-    }
-
-    /// Value when `progress.done` increments are done, and at the end of the whole increment after
-    /// them. Within an increment the value is linear, so that parts of it add up to the whole.
-    #[must_use]
-    pub fn next(&self, progress: &ClasticProgress, dt: Option<f64>) -> [DVec2; 2] {
-        let after = |n: f64| self.at(dt.map_or_else(|| progress.part(n), |dt| n * dt));
-        let whole = progress.done.floor();
-        let [start, end] = [after(whole), after(whole + 1.0)];
-        let done = progress.done - whole;
-        if done == 0.0 {
-            return [start, end];
-        }
-        [start + done * (end - start), end + done * (end - start)]
+    pub fn next(&self, progress: &ClasticProgress, dt: Option<f64>) -> [Ramp; 2] {
+        let s = |n: f64| dt.map_or_else(|| progress.part(n), |dt| n * dt);
+        [1, 2].map(|k| progress.next(|n| value_at(&self.0, s(n), k)))
     }
 }
 

@@ -95,16 +95,15 @@ pub fn control_walls(
                 WallDrive::Loaded(progress.ramp(from, to).times(length * analysis.thickness))
             }
             WallControl::Table(of) => {
-                let table = table.map_or([DVec2::ZERO; 2], |table| table.next(&progress, dt));
+                let table = table.map_or([Ramp::default(); 2], |table| table.next(&progress, dt));
+                let [x, y] = table.map(|ramp| ramp.to - ramp.from);
                 match of {
-                    TableOf::Displacement => WallDrive::Imposed(table[1] - table[0]),
-                    TableOf::Force => WallDrive::Loaded(ramp(table)),
-                    TableOf::Rotation(about) => {
-                        WallDrive::Turning { about, angle: table[1].x - table[0].x }
-                    }
+                    TableOf::Displacement => WallDrive::Imposed(DVec2::new(x, y)),
+                    TableOf::Force => WallDrive::Loaded(table[0]),
+                    TableOf::Rotation(about) => WallDrive::Turning { about, angle: x },
                     TableOf::Stress(length) => {
                         let length = loaded_length(entity, length, &geometry);
-                        WallDrive::Loaded(ramp(table).times(length * analysis.thickness))
+                        WallDrive::Loaded(table[0].times(length * analysis.thickness))
                     }
                 }
             }
@@ -132,10 +131,6 @@ fn time_step(analysis: &ClasticAnalysis) -> Option<f64> {
     }
 }
 
-fn ramp([from, to]: [DVec2; 2]) -> Ramp {
-    Ramp { from: from.x, to: to.x }
-}
-
 /// Updates the drives of stress-controlled walls in the table. The stress acts on the current
 /// length between the walls, which a followed motion may have changed.
 pub fn renew_stresses<'w>(
@@ -151,7 +146,7 @@ pub fn renew_stresses<'w>(
             WallControl::Table(TableOf::Stress(length)) => {
                 let entity = bodies.entities[wall.body as usize];
                 let Some(table) = table_of(entity) else { continue };
-                (ramp(table.next(progress, time_step(analysis))), length)
+                (table.next(progress, time_step(analysis))[0], length)
             }
             _ => continue,
         };

@@ -11,7 +11,8 @@ use clastic_components::wall::WallControl;
 /// Begins a stage of this number of increments. Loads on particles and rigid groups, forces and
 /// stresses of walls, pressures of membranes and stresses of a periodic cell start from the values
 /// that they have reached. Set their new targets, and spawn loaded bodies, after this call: loads
-/// go to their targets linearly over the stage, and stay there when it is over. A load that was
+/// go to their targets over the stage, linearly unless you give [`ClasticProgress::course`], and stay
+/// where they are when it is over. A load that was
 /// spawned before the first stage is at its target already. Tables of walls begin anew.
 pub fn begin_stage(world: &mut World, increments: u32) {
     let progress = world.resource::<ClasticProgress>().clone();
@@ -41,4 +42,5 @@ pub fn begin_stage(world: &mut World, increments: u32) {
     }
     let mut progress = world.resource_mut::<ClasticProgress>();
     (progress.done, progress.total) = (0.0, f64::from(increments));
+    progress.course.clear();
 }

@@ -7,6 +7,7 @@
 ``open``                     the results of a run as tables and arrays
 ``figures``                  figures for papers
 ``emission``                 acoustic emission: exponents, b-values, Kaiser effect
+``loops``                    modulus and damping of cyclic tests, loop by loop
 ``sweep``, ``envelope``      many runs, one table
 ``calibrate``                parameters of grains and bonds from targets of the specimen
 ``stability``                the factor at which a slope slides, beside the bound of limit analysis
@@ -21,6 +22,7 @@ from .calibration import Calibration, calibrate
 from .errors import RunError, RunWarning, SceneError
 from .frame import STATES, Fabric, Frame
 from .log_spiral import LogSpiral, critical_factor, log_spiral
+from .loops import loops
 from .results import Run, open
 from .run import check, resume, run
 from .simulation import Simulation, State
@@ -57,6 +59,7 @@ __all__ = [
     "friction_angle",
     "hoek_brown_m",
     "log_spiral",
+    "loops",
     "open",
     "resume",
     "run",

@@ -66,7 +66,7 @@ pub fn control(world: &mut World, stage: &scene::Load) {
 }
 
 /// Leaves stresses at the values that they have reached.
-pub fn end_early(world: &mut World) {
+pub fn end(world: &mut World) {
     let progress = world.resource::<ClasticProgress>().clone();
     let Some(mut cell) = world.get_resource_mut::<PeriodicCell>() else { return };
     for control in &mut cell.controls {

@@ -89,7 +89,7 @@ pub fn stress_of(world: &mut World, names: &[String]) -> f64 {
 }
 
 /// Leaves the membranes at the pressures that they have reached.
-pub fn end_early(world: &mut World, progress: &ClasticProgress) {
+pub fn end(world: &mut World, progress: &ClasticProgress) {
     let mut membranes = world.query::<&mut Membrane>();
     for mut membrane in membranes.iter_mut(world) {
         membrane.pressure.1 = membrane.ramp(progress).from;

@@ -6,16 +6,17 @@ use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgre
 use clastic_components::wall::WallTable;
 
 use super::script::Script;
-use crate::scene::format::{Load, Stage};
+use crate::scene::format::{Load, Scale, Stage};
 
-/// Run condition: the stage has factors.
+/// Run condition: the stage has factors on gravity or strength.
 pub(super) fn is_scaled(script: Option<Res<Script>>, progress: Res<ClasticProgress>) -> bool {
     script.is_some_and(|script| scaled(&script, &progress).is_some())
 }
 
 fn scaled<'a>(script: &'a Script, progress: &ClasticProgress) -> Option<&'a Load> {
     let load = script.stage(progress.stage).and_then(Stage::load)?;
-    (!load.scale.is_default()).then_some(load)
+    let Scale { gravity, strength, .. } = &load.scale;
+    (!gravity.is_empty() || !strength.is_empty()).then_some(load)
 }
 
 /// Sets gravity and strength to those at the end of the attempt.
@@ -34,8 +35,7 @@ pub(super) fn scale(
             return 1.0;
         }
         let table = WallTable(points.iter().map(|(s, factor)| [*s, *factor, 0.0]).collect());
-        let [start, end] = table.next(&progress, dt).map(|value| value.x);
-        start + progress.fraction * (end - start)
+        table.next(&progress, dt)[0].at(progress.fraction)
     };
     let (x, y) = load.gravity.unwrap_or(script.scene.gravity);
     analysis.gravity = factor(&load.scale.gravity) * glam::DVec2::new(x, y);

@@ -11,7 +11,7 @@ use clastic_components::increment::{
     Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
 };
 
-use super::bad::{Bad, not_negative, outside};
+use super::bad::{Bad, finite, not_negative, outside};
 
 /// The settings with numbers that an increment depends on.
 #[derive(SystemParam)]
@@ -74,7 +74,14 @@ fn law(law: &FrictionLaw) -> Option<Bad> {
 }
 
 fn progress(progress: &ClasticProgress) -> Option<Bad> {
-    let ClasticProgress { total, done, tried, .. } = *progress;
+    let ClasticProgress { total, done, tried, ref course, .. } = *progress;
+    if !course.is_sorted_by(|a, b| a[0] < b[0]) {
+        return Some(Bad::new("course", course, "points in ascending order"));
+    }
+    let finite = |share| finite("course", share, "finite points");
+    if let Some(bad) = course.iter().flatten().copied().find_map(finite) {
+        return Some(bad);
+    }
     [("total", total), ("done", done), ("tried", tried)]
         .into_iter()
         .find_map(|(name, value)| not_negative(name, value, "a number of increments, not below 0"))

@@ -349,7 +349,9 @@ fn thin_walls_of_every_shape() {
         Load(name: "press", increments: 6, analysis: Static, add_walls: ["lid"],
             walls: { "lid": Follow(Stress(stress: [(0.0, 0.0), (0.5, 300.0), (1.0, 200.0)])) }),
         Load(name: "shear", increments: 5, analysis: Static,
-            walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) })"#;
+            walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) }),
+        Load(name: "cycle", increments: 3, analysis: Static, walls: { "lid": Stress(stress: 300.0) },
+            scale: (loads: [(0.0, 0.0), (0.5, 1.0), (1.0, 0.5)]))"#;
     let second = r#"
         Load(name: "shear_on", increments: 5, analysis: Static,
             walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) }),

@@ -102,6 +102,8 @@ pub const THIN: &str = r#"(
             walls: { "lid": Follow(Stress(stress: [(0.0, 0.0), (0.5, 300.0), (1.0, 200.0)])) }),
         Load(name: "shear", increments: 10, analysis: Static,
             walls: { "lid": Lid(load: Stress(stress: 200.0), slide: Displacement(1.0e-5)) }),
+        Load(name: "cycle", increments: 4, walls: { "lid": Stress(stress: 300.0) },
+            scale: (loads: [(0.0, 0.0), (2.5e-3, 1.0), (6.0e-3, -0.5), (8.0e-3, 0.5)])),
         Load(name: "flow", increments: 40, remove_walls: ["gate", "lid"]),
     ],
     output: (frames_every: 20, energy: true),
@@ -113,7 +115,7 @@ fn thin_walls_lids_and_tables() {
         let text = THIN.replace("ByAnalysis", law);
         let records = same_from_anywhere(&parse(&text), |k| k % 9 == 4);
         let stages: BTreeSet<_> = records.iter().map(|o| o.stage.as_str()).collect();
-        assert_eq!(stages.len(), 4, "{law}");
+        assert_eq!(stages.len(), 5, "{law}");
         let flow = records.last().unwrap();
         assert!(flow.contacts > 10, "{law}: {} contacts", flow.contacts);
     }
@@ -168,7 +170,8 @@ pub const CAVITY: &str = r#"(
     cell: (size: (15.0e-3, 15.0e-3)),
     stages: [
         Compact(name: "compact", target: Jammed, step: 0.4e-3, agitation: 0.1, seed: 1),
-        Load(name: "press", increments: 4, cell: (xx: Stress(50.0e3), yy: Stress(50.0e3))),
+        Load(name: "press", increments: 4, cell: (xx: Stress(50.0e3), yy: Stress(50.0e3)),
+            scale: (loads: [(0.0, 0.0), (0.4, 1.2), (1.0, 0.9)])),
         Cement(name: "glue", coordination: 4.0),
         Remove(name: "cavity", select: Index([7])),
         Load(name: "weaken", increments: 8, scale: (strength: [(0.0, 1.0), (1.0, 0.5)]), stop: [Above("moved", 0.5)]),

@@ -58,6 +58,7 @@ mod scaled;
 mod shear_boxes;
 mod silo;
 mod sleeping;
+mod soil;
 mod specimens;
 mod stages;
 mod stopping;

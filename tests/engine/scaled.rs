@@ -1,11 +1,11 @@
-//! Factors on gravity and strength over a stage, and grains that are counted where they are.
+//! Factors on gravity, strength and loads over a stage, and grains that are counted where they are.
 
 use clastic::components::increment::ClasticProgress;
 use clastic::components::observation::Observation;
 use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation, Step};
 
-use crate::common::parse;
+use crate::common::{parse, probe};
 
 /// A disk that cannot turn on a floor, or bonded to it, and one stage.
 fn disk(cement: &str, gravity: &str, stage: &str) -> Simulation {
@@ -70,6 +70,172 @@ fn a_bond_breaks_where_its_reduced_strength_is_the_weight() {
     let factor = 1.0 - 0.01 * simulation.world().resource::<ClasticProgress>().done;
     assert!((factor / (weight / 200.0) - 1.0).abs() < 5e-4, "{factor}");
     assert!(matches!(simulation.run(), Outcome::Collapsed(_)));
+}
+
+/// Share of the way of the loads after each of eight increments.
+const COURSE: &str =
+    "increments: 8, scale: (loads: [(0.0, 0.0), (0.25, 1.0), (0.5, 0.25), (1.0, 0.75)])";
+const SHARES: [f64; 8] = [0.5, 1.0, 0.625, 0.25, 0.375, 0.5, 0.625, 0.75];
+
+/// Runs a stage with COURSE, an increment that keeps the load (`None`), and two in which a load twice as
+/// large comes linearly. `read` divides what the specimen does by what it does under the whole load.
+fn follows_its_course(
+    head: &str,
+    load: impl Fn(Option<f64>) -> String,
+    read: impl Fn(&Simulation) -> f64,
+) {
+    let [load, keep, twice] = [Some(1.0), None, Some(2.0)].map(load);
+    let scene = parse(&format!(
+        "(version: 1, title: \"a course\",
+        materials: {{ \"rock\": (density: 2500.0, contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8),
+            bond: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, cohesion: 1.0e9, tensile_strength: 1.0e9)) }},
+        {head}
+        stages: [Load(name: \"course\", {COURSE}, {load}), Load(name: \"keep\", increments: 1, {keep}),
+            Load(name: \"linear\", increments: 2, {twice})])"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    let mut found = Vec::new();
+    while simulation.step() == Step::Increment {
+        found.push(read(&simulation));
+    }
+    let expected = SHARES.into_iter().chain([0.75, 0.5 * (0.75 + 2.0), 2.0]);
+    assert_eq!(found.len(), 11, "{load}");
+    assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-6), "{load}: {found:?}");
+}
+
+/// A square of four disks in a box with a lid: two columns of three springs of 1e8 N/m.
+const COLUMNS: &str = r#"specimen: Particles([(position: (0.1, 0.1), radius: 0.1), (position: (0.3, 0.1), radius: 0.1),
+        (position: (0.1, 0.3), radius: 0.1, probe: "disk"), (position: (0.3, 0.3), radius: 0.1)]),
+    walls: [(name: "floor", start: (0.0, 0.0), end: (0.4, 0.0), contact: (normal_stiffness: 1.0e8)),
+        (name: "lid", start: (0.4, 0.4), end: (0.0, 0.4), contact: (normal_stiffness: 1.0e8), probe: "lid"),
+        (name: "left", start: (0.0, 0.4), end: (0.0, 0.0)), (name: "right", start: (0.4, 0.0), end: (0.4, 0.4))],
+    measures: [(name: "mean", of: Stress(Average(component: Yy, area: Fixed(0.16))))],"#;
+
+/// How far a probe moved down, over what 1 kN does on each of two springs in a row, or on three.
+fn sunk(simulation: &Simulation, name: &str, springs: f64) -> f64 {
+    let record = simulation.world().resource::<Observation>();
+    -probe(record, name).motion[1] / (springs * 1.0e3 / 1.0e8)
+}
+
+/// An entry for a load, and nothing for one that is kept.
+fn loaded(entry: impl Fn(f64) -> String) -> impl Fn(Option<f64>) -> String {
+    move |f| f.map(&entry).unwrap_or_default()
+}
+
+#[test]
+fn forces_and_stresses_of_walls_follow_the_course() {
+    let controls = [
+        |f| format!("Force({:?})", 2.0e3 * f),
+        |f| format!("Stress(stress: {:?})", 5.0e3 * f),
+        |f| format!("Lid(load: Force({:?}), slide: Displacement(0.0))", 2.0e3 * f),
+    ];
+    for control in controls {
+        let load = loaded(|f| format!("walls: {{ \"lid\": {} }}", control(f)));
+        follows_its_course(COLUMNS, load, |run| sunk(run, "lid", 3.0));
+    }
+}
+
+#[test]
+fn forces_and_moments_of_particles_follow_the_course() {
+    let load =
+        loaded(|f| format!("particles: [(select: Index([2]), force: (0.0, {:?}))]", -1.0e3 * f));
+    follows_its_course(COLUMNS, load, |run| sunk(run, "disk", 2.0));
+    // A bond to a disk that is held resists by its shear alone: k_T r^2 = 1e6 N m/rad.
+    let pair = r#"specimen: Particles([(position: (0.0, 0.0), radius: 0.1), (position: (0.2, 0.0), radius: 0.1, probe: "disk")]),
+        bonds: [(a: 0, b: 1)],"#;
+    let load = |f: Option<f64>| {
+        let moment = f.map(|f| format!(", moment: {f:?}")).unwrap_or_default();
+        format!(
+            "particles: [(select: Index([0]), x: Held, y: Held, rotation: Held),
+                (select: Index([1]), x: Held, y: Held{moment})]"
+        )
+    };
+    let turned = |run: &Simulation| probe(run.world().resource(), "disk").motion[2] / 1.0e-6;
+    follows_its_course(pair, load, turned);
+}
+
+#[test]
+fn loads_of_rigid_groups_follow_the_course() {
+    let pair = r#"specimen: Particles([(position: (0.1, 0.1), radius: 0.1), (position: (0.3, 0.1), radius: 0.1)]),
+        walls: [(name: "floor", start: (0.0, 0.0), end: (0.4, 0.0), contact: (normal_stiffness: 1.0e8))],"#;
+    for kind in ["force: (0.0, -#)", "stress: (value: (0.0, -#), length: 1.0)"] {
+        let load = loaded(|f| {
+            let load = kind.replace('#', &format!("{:?}", 2.0e3 * f));
+            let select = if f == 1.0 { "select: All," } else { "" };
+            format!("rigid: {{ \"pair\": ({select} x: Held, rotation: Held, {load}) }}")
+        });
+        follows_its_course(pair, load, |run| sunk(run, "pair", 1.0));
+    }
+}
+
+/// A triangular lattice of eight columns and rows.
+fn lattice() -> String {
+    let place = |k: i32| {
+        let (row, column) = (k / 8, k % 8);
+        let x = 0.2 * f64::from(column) + 0.1 * f64::from(row % 2);
+        format!("(position: ({x:?}, {:?}), radius: 0.1)", 0.1 * 3.0_f64.sqrt() * f64::from(row))
+    };
+    (0..64).map(place).collect::<Vec<_>>().join(", ")
+}
+
+#[test]
+fn stresses_of_a_cell_follow_the_course() {
+    let height = 0.8 * 3.0_f64.sqrt();
+    let head = format!(
+        "specimen: Particles([{}]), cell: (size: (1.6, {height:?})),
+        measures: [(name: \"mean\", of: Stress(Average(component: Mean, area: Cell)))],",
+        lattice()
+    );
+    let load = loaded(|f| format!("cell: (xx: Stress({0:?}), yy: Stress({0:?}))", 1.0e3 * f));
+    follows_its_course(&head, load, |run| reading(run.world(), "mean").unwrap() / 1.0e3);
+}
+
+#[test]
+fn pressures_of_membranes_follow_the_course() {
+    let head = format!(
+        "specimen: Particles([{}]),
+        measures: [(name: \"mean\", of: Stress(Average(component: Mean, area: Membrane(\"skin\"))))],",
+        lattice()
+    );
+    let load = loaded(|f| format!("membranes: {{ \"skin\": (pressure: {:?}) }}", 1.0e3 * f));
+    follows_its_course(&head, load, |run| reading(run.world(), "mean").unwrap() / 1.0e3);
+}
+
+/// In a dynamic stage s is the time. A free disk of mass m under F f(t) has the speed of the sum of F
+/// f dt / m over the ends of the time steps.
+#[test]
+fn in_a_dynamic_stage_the_course_is_one_of_time() {
+    let scene = parse(
+        r#"(version: 1, title: "a free disk", analysis: Dynamic(dt: 0.1), materials: { "rock": (density: 2500.0) },
+        specimen: Particles([(position: (0.0, 0.0), radius: 0.1, probe: "disk")]),
+        stages: [Load(name: "push", increments: 4, scale: (loads: [(0.0, 0.0), (0.2, 2.0), (0.4, -1.0)]),
+            particles: [(select: All, force: (10.0, 0.0))])],
+        measures: [(name: "energy", of: KineticEnergy)])"#,
+    );
+    let mut simulation = Simulation::new(&scene, None);
+    let mass = 2500.0 * std::f64::consts::PI * 0.01;
+    let mut impulse = 0.0;
+    for share in [1.0, 2.0, 0.5, -1.0] {
+        assert_eq!(simulation.step(), Step::Increment);
+        impulse += 10.0 * share * 0.1;
+        let energy = reading(simulation.world(), "energy").unwrap();
+        assert!((energy / (0.5 * impulse * impulse / mass) - 1.0).abs() < 1e-6, "{energy}");
+    }
+}
+
+/// A part of an increment has a part of its step, and the stage after it starts from there.
+#[test]
+fn a_course_that_ends_early_keeps_the_load_that_it_has_reached() {
+    let load = "walls: { \"lid\": Force(2.0e3) }, stop: [Until(\"mean\", 2.0e3)]";
+    let scene = parse(&format!(
+        "(version: 1, title: \"a course\", materials: {{ \"rock\": (density: 2500.0, contact: (normal_stiffness: 1.0e8)) }},
+        {COLUMNS} stages: [Load(name: \"course\", {COURSE}, {load}), Load(name: \"keep\", increments: 1)])"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    assert_eq!(simulation.run(), Outcome::Completed);
+    // 0.4 m under 800 N.
+    assert_eq!(simulation.world().resource::<Observation>().stage, "keep");
+    assert!((sunk(&simulation, "lid", 3.0) - 0.4).abs() < 1e-6);
 }
 
 #[test]

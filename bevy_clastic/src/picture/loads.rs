@@ -136,7 +136,8 @@ fn along(way: &OnTheWay, key: &Key, vector: DVec2) -> DVec2 {
 }
 
 /// Gives a load its value. Motions and gravity have it from the next increment on. A force, a
-/// stress or a pressure goes there over ten increments, or over those that are left of the stage.
+/// stress or a pressure goes there over ten increments, or over those that are left of the stage; at
+/// once where loads follow a course.
 pub fn set_load(world: &mut World, load: &Load) {
     let progress = world.resource::<ClasticProgress>().clone();
     let mut way = world.remove_resource::<OnTheWay>().unwrap_or_default();
@@ -157,7 +158,7 @@ pub fn set_load(world: &mut World, load: &Load) {
             Part::Ramp(from, to) => {
                 let now = progress.ramp(*from, *to).from;
                 let arrival = (progress.done.floor() + INCREMENTS).min(progress.total);
-                if arrival <= progress.done {
+                if arrival <= progress.done || !progress.course.is_empty() {
                     (*from, *to) = (value, value);
                     return;
                 }

@@ -5,13 +5,14 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Analysis, CellControl, MembraneControl, ParticleControl, Record, RigidControl, Stop,
-    WallControl,
+    Analysis, CellControl, CellTarget, MembraneControl, ParticleControl, Record, RigidControl,
+    Stop, WallControl,
 };
 use crate::scene::unique_keys;
 
 /// Factors in the course of a stage, linear between points and constant after the last. The first
-/// number of a point is that of a [`WallControl::Follow`]. Without points the factor is 1.
+/// number of a point is that of a [`WallControl::Follow`]. Without points the factor on gravity and
+/// strength is 1.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scale {
@@ -21,6 +22,10 @@ pub struct Scale {
     /// Factor on cohesion, tensile strength and friction of all contacts and bonds.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub strength: Vec<(f64, f64)>,
+    /// Factor f of all loads that the stage brings to a target: each is at
+    /// `last + f (target - last)`. Without points f is the part of the increments that is done.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub loads: Vec<(f64, f64)>,
 }
 
 impl Scale {
@@ -97,4 +102,24 @@ pub struct Load {
     /// Recording.
     #[serde(default)]
     pub record: Record,
+}
+
+impl Load {
+    /// Whether a load goes to a target in this stage: also the reaction of a rigid group, to 0.
+    #[must_use]
+    pub fn has_target(&self) -> bool {
+        let loaded = |wall: &WallControl| {
+            use WallControl::{Force, Lid, Stress};
+            matches!(wall, Force(_) | Stress { .. } | Lid { .. })
+        };
+        let stressed = |cell: &CellControl| {
+            let all = [cell.xx, cell.yy, cell.mean, cell.difference, cell.shear];
+            all.into_iter().flatten().any(|target| matches!(target, CellTarget::Stress(_)))
+        };
+        self.walls.values().any(loaded)
+            || self.particles.iter().any(|entry| entry.force.is_some() || entry.moment.is_some())
+            || !self.rigid.is_empty()
+            || !self.membranes.is_empty()
+            || self.cell.as_deref().is_some_and(stressed)
+    }
 }

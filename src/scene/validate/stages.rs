@@ -5,7 +5,7 @@ use std::fmt::Arguments;
 
 use crate::scene::format::{
     Analysis, Cement, Compact, CompactBy, CompactTarget, CustomStage, Load, Motion,
-    ParticleControl, Record, Stage, Stop, Wall,
+    ParticleControl, Record, Scale, Stage, Stop, Wall,
 };
 use crate::scene::spans::join;
 
@@ -228,21 +228,30 @@ fn custom(path: Arguments, stage: &CustomStage, findings: &mut Findings) {
 
 fn scale(context: &Context, path: Arguments, stage: &Load, findings: &mut Findings) {
     let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
-    for (field, points) in [("gravity", &stage.scale.gravity), ("strength", &stage.scale.strength)]
-    {
+    let Scale { gravity, strength, loads } = &stage.scale;
+    for (field, points) in [("gravity", gravity), ("strength", strength), ("loads", loads)] {
         if !points.is_empty() {
             let path = format_args!("{path}.scale.{field}");
             let points: Vec<_> = points.iter().map(|(s, factor)| (*s, vec![*factor])).collect();
             wall_controls::points_of(path, &points, "a factor", timeless, findings);
         }
     }
-    for (k, (_, factor)) in stage.scale.strength.iter().enumerate() {
+    for (k, (_, factor)) in strength.iter().enumerate() {
         findings.positive(format_args!("{path}.scale.strength[{k}][1]"), *factor, "a factor");
     }
-    let gravity = stage.gravity.unwrap_or(context.scene.gravity);
-    if !stage.scale.gravity.is_empty() && gravity == (0.0, 0.0) {
+    if !gravity.is_empty() && stage.gravity.unwrap_or(context.scene.gravity) == (0.0, 0.0) {
         let help = "give the stage or the scene a `gravity`";
         findings.add(format_args!("{path}.scale.gravity"), "a factor on no gravity", help);
+    }
+    if !loads.is_empty() && !stage.has_target() && findings.is_sure_of("stages") {
+        let help =
+            "give a wall, a particle, a rigid group, a membrane or the cell a load in this stage";
+        findings.add(format_args!("{path}.scale.loads"), "a factor on no load", help);
+    }
+    for (k, (_, factor)) in loads.iter().enumerate().filter(|_| !stage.membranes.is_empty()) {
+        let what = "a factor of 0 to 1, as a membrane cannot pull";
+        let allowed = |factor: f64| (0.0..=1.0).contains(&factor);
+        findings.number(format_args!("{path}.scale.loads[{k}][1]"), *factor, allowed, what);
     }
 }
 
