@@ -102,6 +102,15 @@ pub enum Quantity {
         /// Minimum displacement since the start of the reference stage, m.
         moved: f64,
     },
+    /// Value of the particles whose centres were in a ring at the start of the reference stage.
+    Ring {
+        /// Centre of the ring, m.
+        centre: DVec2,
+        /// Inner and outer radius, m.
+        radii: [f64; 2],
+        /// The value.
+        value: RingValue,
+    },
     /// Value of a membrane.
     Membrane {
         /// The membrane.
@@ -120,7 +129,8 @@ impl Quantity {
     #[must_use]
     pub fn unit(&self) -> &'static str {
         match self {
-            Self::Stress(_) => "Pa",
+            Self::Stress(_) | Self::Ring { value: RingValue::Support, .. } => "Pa",
+            Self::Ring { value: RingValue::Closure, .. } => "m",
             Self::Membrane { value: MembraneValue::Area | MembraneValue::OuterArea, .. } => "m^2",
             Self::Cracks { part: CrackPart::Length, .. }
             | Self::Membrane { value: MembraneValue::Width | MembraneValue::OuterWidth, .. } => "m",
@@ -162,6 +172,17 @@ pub enum GrainAmount {
     Mass,
     /// Their share of the mass of all grains.
     Share,
+}
+
+/// Value of the particles in a ring.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum RingValue {
+    /// Mean of their displacements towards the centre since the start of the reference stage, m.
+    Closure,
+    /// Sum of the forces of the outside world on them away from the centre, over the area of the inner
+    /// circle, Pa.
+    Support,
 }
 
 /// Component of the force of a wall.

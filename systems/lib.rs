@@ -36,6 +36,7 @@ pub mod solve_program;
 pub mod state;
 pub mod step_control;
 pub mod stepping;
+pub mod tractions;
 pub mod travel;
 pub mod trial_loads;
 pub mod turns;

@@ -92,6 +92,12 @@ scenes! {
         ("peak_stress_pa", 232072.7),
         ("strain_at_peak", 0.050994),
     ];
+    // Closure against Kirsch is in tests/engine/excavation.rs.
+    tunnel: "tunnel", COMPLETES, &[
+        ("youngs_modulus_pa", 1277052580.5240433),
+        ("poissons_ratio", 0.15155189343604722),
+        ("porosity", 0.17297507911893),
+    ];
     turning_gate: "turning_gate", COMPLETES, &[
         ("peak_stress_pa", 240719.79561974172),
         ("strain_at_peak", 0.052891664836127054),

@@ -109,6 +109,7 @@ pub fn summary(of: &Summary) -> String {
     let mut lines = vec![outcome];
     lines.extend(script.ends.iter().filter_map(stage));
     lines.extend(warnings(script));
+    lines.extend(after_collapse(script));
     let has_bonds = results.bonds_created > 0;
     let reason = has_bonds.then(|| one_round(&script.scene)).flatten();
     lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
@@ -161,6 +162,24 @@ fn warnings(script: &Script) -> Vec<String> {
         lines.push(line);
     }
     lines
+}
+
+/// Warning about stages that were solved after a collapse.
+fn after_collapse(script: &Script) -> Option<String> {
+    let collapsed = &script.collapse.as_ref()?.stage;
+    let after = script.ends.iter().skip_while(|end| end.stage != *collapsed).skip(1);
+    let solved: Vec<_> = after
+        .filter(|end| end.increments > 0 && end.ended_by != Some(EndedBy::Collapse))
+        .map(|end| label(&end.stage).to_string())
+        .collect();
+    (!solved.is_empty()).then(|| {
+        format!(
+            "WARNING: the specimen collapsed in stage {}; stages {} went on from the last equilibrium before \
+             that and were solved",
+            label(collapsed),
+            solved.join(", ")
+        )
+    })
 }
 
 /// Whether the stage of an end is dynamic.
@@ -238,6 +257,7 @@ pub fn stress(pascals: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use crate::run::CollapsedBy;
     use crate::run::key_results::KeyResults;
     use crate::scene::format::Stop;
     use crate::scene::from_str;
@@ -311,6 +331,34 @@ mod tests {
             "{all}"
         );
         assert!(all.contains("in static stages") && !all.contains("in dynamic stages"), "{all}");
+    }
+
+    /// A slope that collapsed at one weight was "solved" at the next.
+    #[test]
+    fn a_summary_names_what_was_solved_after_a_collapse() {
+        let scene = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
+        let end = |stage: &str, ended_by| StageEnd {
+            stage: stage.to_owned(),
+            increments: 3,
+            capped: 0,
+            ended_by: Some(ended_by),
+            stop: None,
+            passed: None,
+            jammed_at: None,
+        };
+        let said = |last| {
+            let collapse = Collapse {
+                stage: "confine".to_owned(),
+                increment: 3,
+                by: CollapsedBy::Motion,
+                reason: String::new(),
+            };
+            let ends = vec![end("confine", EndedBy::Collapse), end("shear", last)];
+            after_collapse(&Script { ends, collapse: Some(collapse), ..Script::new(&scene) })
+        };
+        let line = said(EndedBy::AllIncrements).unwrap();
+        assert!(line.contains("collapsed in stage confine; stages shear went on"), "{line}");
+        assert_eq!(said(EndedBy::Collapse), None);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, BodyPosition};
+use clastic_components::body::{BodyId, BodyPosition, LoadControl};
 use clastic_components::bond::BondState;
 use clastic_components::particle::Particle;
 
@@ -21,6 +21,20 @@ pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String>
     let (what, remedy) = why_empty(&stage.particles[k].select);
     Some(format!(
         "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",
+        stage.name
+    ))
+}
+
+/// An entry of `particles` that releases loads of particles which have none.
+pub fn releases_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let k = stage.particles.iter().position(|control| {
+        let selected = selected(world, &control.select);
+        let mut loads = selected.iter().filter_map(|(_, entity)| world.get::<LoadControl>(*entity));
+        control.remains.is_some() && loads.all(|load| load.0.iter().all(|(_, now)| *now == 0.0))
+    })?;
+    Some(format!(
+        "stage `{}` cannot begin: particles[{k}].remains is for loads, and the selected particles have \
+         none; load them before (`Remove` with `keep_tractions: true`, `force`, `moment`)",
         stage.name
     ))
 }

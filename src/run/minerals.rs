@@ -27,6 +27,7 @@ pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<ParticleS
             material: seed.material.as_ref().or(only).map(String::as_str),
             group: seed.group.as_deref(),
             probe: seed.probe.as_deref(),
+            core: u32::MAX,
         };
         // Groups of the scene select from what is left after the cut.
         selects(select, &BTreeMap::new(), &of)

@@ -11,6 +11,7 @@ pub(crate) mod cell;
 pub mod cement;
 pub mod changes;
 pub mod compact;
+mod cores;
 pub mod densest;
 mod drive;
 mod enclosure;

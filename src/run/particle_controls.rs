@@ -41,6 +41,9 @@ pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &ClasticAnal
             if let Some(moment) = control.moment {
                 loads.0[2].1 = moment;
             }
+            if let Some(remains) = control.remains {
+                loads.0 = loads.0.map(|(from, _)| (from, remains * from));
+            }
         }
     }
 }

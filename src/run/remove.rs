@@ -9,6 +9,8 @@ use clastic_components::cell::PeriodicCell;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 
+use clastic_systems::tractions::{keep_tractions, loosened_wall};
+
 use super::load_refusals::why_empty;
 use super::select::{selected, selected_at};
 use crate::scene::format::Remove;
@@ -19,7 +21,11 @@ pub fn remove(world: &mut World, stage: &Remove) {
     if stage.open_cell {
         super::cell::open(world);
     }
-    for (_, entity) in selected(world, &stage.select) {
+    let (gone, entities): (Vec<_>, Vec<_>) = selected(world, &stage.select).into_iter().unzip();
+    if stage.keep_tractions {
+        keep_tractions(world, &gone);
+    }
+    for entity in entities {
         world.despawn(entity);
     }
 }
@@ -41,13 +47,21 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
             cell.width, cell.height
         ));
     }
-    if ids.is_empty() && !stage.open_cell {
+    if ids.is_empty() && !stage.open_cell && !stage.select.needs_forces() {
         let (what, remedy) = why_empty(&stage.select);
         return because(format!("select selects no particle: {what}; {remedy}"));
     }
     if ids.len() == world.query::<&Particle>().iter(world).len() {
         let what = "select selects every particle, so that nothing is left; select fewer";
         return because(what.to_owned());
+    }
+    if stage.keep_tractions
+        && let Some(wall) = loosened_wall(world, &ids)
+    {
+        return because(format!(
+            "keep_tractions holds particles only, and select takes particles that carry the wall \
+             `{wall}`; select none that touches it, or hold that wall in a loading stage before"
+        ));
     }
     let mut groups = world.query::<&RigidGroup>();
     let member = |group: &RigidGroup| {

@@ -58,6 +58,7 @@ fn keep_what_is_needed(world: &mut World, roles: [Option<StrainMeasure>; 2]) {
     let regions = has(|q| {
         matches!(q, Quantity::Strain(StrainMeasure::Region { .. }))
             || matches!(q, Quantity::Grains { moved, .. } if *moved > 0.0)
+            || matches!(q, Quantity::Ring { .. })
     }) || roles.iter().flatten().any(region);
     let path = has(|q| matches!(q, Quantity::DilationAngle { .. }));
     let cracks = has(|q| matches!(q, Quantity::Cracks { .. }));
@@ -153,6 +154,9 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
                 max: corner(*max, f64::INFINITY),
                 moved: *moved,
             }
+        }
+        scene::Quantity::Ring { centre, radii, value } => {
+            Quantity::Ring { centre: (*centre).into(), radii: [radii.0, radii.1], value: *value }
         }
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),

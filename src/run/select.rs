@@ -9,6 +9,7 @@ use clastic_components::body::{BodyId, BodyPosition, Group, Probe};
 use clastic_components::material::Materials;
 use clastic_components::particle::{MaterialIndex, Particle};
 
+use super::cores::cores;
 use super::script::Script;
 use crate::scene::format::Select;
 
@@ -25,6 +26,8 @@ pub struct Candidate<'a> {
     pub group: Option<&'a str>,
     /// Name of its probe.
     pub probe: Option<&'a str>,
+    /// How well contacts hold it: its core number, `u32::MAX` where that is not asked for.
+    pub core: u32,
 }
 
 /// Whether a selection has a particle. `groups` are those of the scene.
@@ -51,6 +54,7 @@ pub fn selects(select: &Select, groups: &BTreeMap<String, Select>, of: &Candidat
             (*from..=*to).contains(&height)
         }
         Select::Polygon(corners) => is_inside(corners, of.place),
+        Select::Loose(contacts) => of.core < *contacts,
         Select::Union(list) => list.iter().any(has),
         Select::Intersection(list) => list.iter().all(has),
         Select::Except(from, without) => has(from) && !has(without),
@@ -86,6 +90,11 @@ pub(super) fn selected_at(
         Option<&Group>,
         Option<&Probe>,
     ), With<Particle>>();
+    // Few selections ask how well particles are held.
+    let named = world
+        .get_resource::<Script>()
+        .is_some_and(|s| s.scene.groups.values().any(Select::needs_forces));
+    let cores = if named || select.needs_forces() { cores(world) } else { BTreeMap::new() };
     // A world whose stages are those of a program has no groups.
     let empty = BTreeMap::new();
     let groups = world.get_resource::<Script>().map_or(&empty, |script| &script.scene.groups);
@@ -99,6 +108,7 @@ pub(super) fn selected_at(
                 .map(|material| material.name.as_str()),
             group: group.map(|group| group.0.as_str()),
             probe: probe.map(|probe| probe.0.as_str()),
+            core: cores.get(id).copied().unwrap_or(u32::MAX),
         };
         selects(select, groups, &of)
     });
@@ -119,6 +129,7 @@ mod tests {
             material: Some("sand"),
             group: Some("low"),
             probe: None,
+            core: 2,
         };
         let groups = BTreeMap::from([(
             "disk".to_owned(),
@@ -145,5 +156,6 @@ mod tests {
         assert!(has(&layer, 9.0, 0.15) && !has(&layer, 9.0, 0.3));
         assert!(has(&Select::Range(1, 3), 0.0, 0.0) && !has(&Select::Range(4, 9), 0.0, 0.0));
         assert!(has(&Select::Material("sand".to_owned()), 0.0, 0.0));
+        assert!(has(&Select::Loose(3), 0.0, 0.0) && !has(&Select::Loose(2), 0.0, 0.0));
     }
 }

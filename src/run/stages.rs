@@ -89,6 +89,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
 
 fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
     load_refusals::selects_nothing(world, load)
+        .or_else(|| load_refusals::releases_nothing(world, load))
         .or_else(|| load_refusals::cuts_through(world, load))
         .or_else(|| load_refusals::leaves_behind(world, load))
         .or_else(|| load_refusals::meets_nothing(world, load))

@@ -69,6 +69,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "stack.ron"
     "tension.ron"
     "three_point_bending.ron"
+    "tunnel.ron"
     "turning_gate.ron"
     "two_layers.ron"
     "uniaxial.ron"

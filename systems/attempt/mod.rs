@@ -27,6 +27,7 @@ pub mod proof;
 pub mod push_out;
 pub mod restraints;
 mod run;
+mod share;
 pub mod too_far;
 
 use bevy_app::{App, Plugin};

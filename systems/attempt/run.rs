@@ -12,6 +12,8 @@ use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, C
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::next::{Budget, Next, next};
+use super::proof::drop_a_lesser_one;
+use super::share::{count, share};
 use super::{events, motion};
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
@@ -25,6 +27,7 @@ pub fn run_attempts(world: &mut World) {
     begin_increment(world);
     // The tables before the first motion, for restoring them.
     let mut start = None;
+    let mut moved_by_motion = 0;
     loop {
         if !world.contains_resource::<ClasticHalted>() {
             world.run_schedule(AttemptIncrement);
@@ -37,7 +40,16 @@ pub fn run_attempts(world: &mut World) {
         }
         let budget = budget(world);
         let mut attempt = world.resource_mut::<Attempt>();
-        let verdict = std::mem::take(&mut attempt.verdict);
+        let mut verdict = std::mem::take(&mut attempt.verdict);
+        if let (Verdict::GivesWay(reason), Some(start)) = (&mut verdict, &start) {
+            let moving = moved(world.resource(), &start.bodies);
+            let share = share(&start.bodies, &start.draft.0, &moving);
+            *reason += &format!("; it has moved {share}, by more than a radius");
+            moved_by_motion = count(&moving);
+        } else if world.resource::<Attempt>().mode == Mode::Proof {
+            drop_a_lesser_one(world, moved_by_motion);
+        }
+        let mut attempt = world.resource_mut::<Attempt>();
         let next = next(&attempt.mode, &verdict, budget);
         complain(&mut attempt, &verdict, next);
         attempt.is_proved |= next == Next::Follow && verdict == Verdict::Impossible;
@@ -46,6 +58,12 @@ pub fn run_attempts(world: &mut World) {
         }
         act(world, next, &mut start);
     }
+}
+
+/// Which particles are more than a radius from where they were.
+fn moved(now: &BodyTable, then: &BodyTable) -> Vec<bool> {
+    let far = |i: usize| now.positions[i].distance(then.positions[i]) > then.radii[i];
+    (0..then.particles).map(far).collect()
 }
 
 /// Keeps why the attempt failed, and how a motion that ends here went.

@@ -42,6 +42,7 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::WallForce { .. }
         | Quantity::Membrane { .. }
         | Quantity::Grains { .. }
+        | Quantity::Ring { .. }
         | Quantity::Poured { .. } => {
             let _ = world.run_system_cached(gather_bodies);
             world.run_system_cached_with(read_place, asked).ok().flatten()
@@ -115,7 +116,7 @@ fn go_back(mut bodies: ResMut<BodyTable>, motions: Query<(&BodyId, &LastMotion)>
 
 /// The contacts whose forces are kept, a program with their normals, and these forces. One with a
 /// body that is gone is left out.
-fn kept_contacts(
+pub(crate) fn kept_contacts(
     bodies: Res<BodyTable>,
     kept: Res<KeptRows>,
     history: Res<ContactHistory>,

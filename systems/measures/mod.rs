@@ -6,6 +6,7 @@ pub mod fragments;
 pub mod groups;
 pub mod kept;
 pub mod principal;
+mod ring;
 pub mod strain;
 pub mod stress;
 
@@ -136,6 +137,7 @@ pub struct EndTables<'w, 's> {
     poured: Option<Res<'w, Poured>>,
     forces: Query<'w, 's, (&'static Wall, &'static BodyExternalForce, &'static LastMotion)>,
     membranes: Query<'w, 's, &'static MembraneShape>,
+    particles: ring::Particles<'w, 's>,
 }
 
 impl EndTables<'_, '_> {
@@ -240,6 +242,10 @@ impl EndTables<'_, '_> {
                     GrainAmount::Mass => counted,
                     GrainAmount::Share => counted / mass,
                 })
+            }
+            Quantity::Ring { centre, radii, value } => {
+                let ring = (*centre, *radii, self.analysis.thickness);
+                ring::read(&self.particles, self.strains.starts()?, ring, *value)
             }
             Quantity::Time => Some(self.observation.time),
         }

@@ -48,10 +48,15 @@ impl StrainTables<'_, '_> {
         }
     }
 
+    /// Where the particles were at the start of the reference stage, m; `None` before it.
+    pub(super) fn starts(&self) -> Option<&[(BodyId, DVec2)]> {
+        Some(&self.start.as_ref().filter(|start| !start.0.is_empty())?.0)
+    }
+
     /// Displacement of a particle since the start of the reference stage, m: none of a particle
     /// that was not there, and `None` before this stage.
     pub(super) fn motion(&self, id: BodyId, now: DVec2) -> Option<f64> {
-        let start = &self.start.as_ref().filter(|start| !start.0.is_empty())?.0;
+        let start = self.starts()?;
         let found = start.binary_search_by_key(&id, |(id, _)| *id);
         Some(found.map_or(0.0, |k| now.distance(start[k].1)))
     }

@@ -374,6 +374,26 @@ fn particles_that_were_taken_away() {
     assert!(events.contains(",6,11,"), "no bond of particle 6 broke: {events}");
 }
 
+/// The tractions of an excavation are loads of the state, and their release goes on under the same bytes.
+#[test]
+fn tractions_that_are_released_in_two_stages() {
+    let first = r#"Cement(name: "cement", length: 1.0e-4), Load(name: "stand", increments: 3),
+        Remove(name: "dig", select: Circle(centre: (0.06, 0.02), radius: 0.012), keep_tractions: true),
+        Load(name: "part", increments: 3, particles: [(select: All, remains: 0.4)])"#;
+    let second = r#"Remove(name: "scale", select: Loose(2), keep_tractions: true),
+        Load(name: "rest", increments: 4, particles: [(select: All, remains: 0.0)])"#;
+    let measures = r#"measures=[
+        (name: "closure", of: Ring(centre: (0.06, 0.02), radii: (0.012, 0.03), value: Closure)),
+        (name: "support", of: Ring(centre: (0.06, 0.02), radii: (0.012, 0.03), value: Support))]"#;
+    let parent = tempfile::tempdir().unwrap();
+    let [cohesion, tension] =
+        ["cohesion", "tensile_strength"].map(|limit| format!("materials.stone.bond.{limit}=1.0e5"));
+    let common = ["probes={}", measures, &cohesion, &tension];
+    let (from, rows) = same_in_two("EXCAVATION", &common, [first, second], parent.path());
+    assert!(rows.len() >= 4, "{rows:?}");
+    same_from_anywhere(&from, |_| true);
+}
+
 /// A wall that has turned, its shape and its rotation are in the state.
 #[test]
 fn walls_that_have_turned() {

@@ -24,6 +24,7 @@ mod elastic_rolling;
 mod embedding;
 mod ending;
 mod events;
+mod excavation;
 mod extension;
 mod followed_motion;
 mod groups;

@@ -184,6 +184,7 @@ fn particles_take_the_energy_of_their_contacts_out_of_a_packing() {
             name: "hole".into(),
             select: hole,
             open_cell: false,
+            keep_tractions: false,
         }));
         let hold =
             Load { name: "hold".into(), increments: 1, walls: Default::default(), ..confine };

@@ -250,6 +250,7 @@ fn a_stack_sleeps_on_or_is_solved_when_what_is_fast_stops() {
         affine: None,
         force: None,
         moment: None,
+        remains: None,
     }];
     scene.stages.push(Stage::Load(hold));
     let (records, outcome) = run(&scene);

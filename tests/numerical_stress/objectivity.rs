@@ -54,6 +54,7 @@ fn beam(turn: f64, increments: u32) -> Scene {
                     affine: None,
                     force: None,
                     moment: None,
+                    remains: None,
                 }
             })
             .collect();

@@ -321,6 +321,7 @@ fn load(
                 (size * r.between(-1.0, 1.0), size * r.between(-1.0, 1.0))
             }),
             moment: r.maybe(0.2, |r| base * r.decades(1e-2, 1e3)),
+            remains: None,
         });
     }
     // No group, no selection of it.

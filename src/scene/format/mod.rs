@@ -36,7 +36,7 @@ pub use clastic_components::increment::{
 };
 pub use clastic_components::measure::{
     CrackPart as Cracks, FabricComponent, ForceComponent as Along, FragmentPart as Fragments,
-    MembraneValue, Network,
+    MembraneValue, Network, RingValue,
 };
 pub use clastic_components::membrane::Sides;
 pub use clastic_components::observation::{StrainComponent, StressComponent as Component};

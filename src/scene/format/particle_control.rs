@@ -27,6 +27,9 @@ pub struct ParticleControl {
     /// Moment at the end of the stage, N m. It varies linearly from its value at the start.
     #[serde(default)]
     pub moment: Option<f64>,
+    /// Share of the force and the moment at the start of the stage that is left at its end, 0 to 1.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub remains: Option<f64>,
 }
 
 /// A selection of particles.
@@ -70,6 +73,9 @@ pub enum Select {
     },
     /// Particles with centres in a polygon at the start of the stage: its corners, m.
     Polygon(Vec<(f64, f64)>),
+    /// Particles with fewer contacts and bonds that carry force than this, also once others of them are
+    /// gone.
+    Loose(u32),
     /// Particles that any of these has.
     Union(Vec<Select>),
     /// Particles that all of these have.
@@ -96,6 +102,12 @@ impl Select {
             Self::Union(list) => list.iter().find_map(Self::left),
             _ => None,
         }
+    }
+
+    /// Whether it depends on the forces of contacts. Groups that it names do not count.
+    #[must_use]
+    pub fn needs_forces(&self) -> bool {
+        matches!(self, Self::Loose(_)) || self.parts().into_iter().any(Self::needs_forces)
     }
 
     /// The selections that it is made of.

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     Along, CellStrain, Component, Cracks, FabricComponent, Fragments, MembraneValue, Network,
-    Select, StrainComponent,
+    RingValue, Select, StrainComponent,
 };
 
 /// What is measured.
@@ -95,6 +95,15 @@ pub enum Quantity {
         /// counts all.
         #[serde(default)]
         moved: f64,
+    },
+    /// Value of the particles whose centres were in a ring at the start of the reference stage.
+    Ring {
+        /// Centre of the ring, m.
+        centre: (f64, f64),
+        /// Inner and outer radius, m.
+        radii: (f64, f64),
+        /// The value.
+        value: RingValue,
     },
     /// Value of a membrane.
     Membrane {

@@ -169,4 +169,7 @@ pub struct Remove {
     /// and contacts and bonds across its sides go.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub open_cell: bool,
+    /// Whether the forces and moments that they exerted on other particles stay as loads on these.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub keep_tractions: bool,
 }

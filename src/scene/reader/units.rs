@@ -70,9 +70,9 @@ pub(super) fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
 /// that of a number.
 pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
-        "position" | "size" | "tilt" | "radius" | "limits" | "spacing" | "origin" | "start"
-        | "moved" | "end" | "min" | "max" | "about" | "length" | "step" | "thickness" | "ball"
-        | "Height" => "m",
+        "position" | "size" | "tilt" | "radius" | "radii" | "limits" | "spacing" | "origin"
+        | "start" | "moved" | "end" | "min" | "max" | "about" | "length" | "step" | "thickness"
+        | "ball" | "Height" => "m",
         "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
@@ -89,7 +89,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "force" | "Force" => "N",
         "moment" => "N m",
         "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
-        | "turn" | "deviation" | "accuracy" | "agitation" | "affine" | "Porosity"
+        | "turn" | "deviation" | "accuracy" | "remains" | "agitation" | "affine" | "Porosity"
         | "StressDrop" => "",
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,

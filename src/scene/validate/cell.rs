@@ -148,6 +148,14 @@ fn inside(path: Arguments, stage: &Stage, findings: &mut Findings) {
     match stage {
         Stage::Compact(stage) => compact(path, stage, findings),
         Stage::Load(stage) => load(path, stage, findings),
+        Stage::Remove(stage) if stage.keep_tractions => {
+            let help = "leave it out: a periodic cell has no loads of particles; end it before (`open_cell`)";
+            findings.add(
+                format_args!("{path}.keep_tractions"),
+                "tractions in a periodic cell",
+                help,
+            );
+        }
         Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_) => {}
         Stage::Pour(_) | Stage::Custom(_) => {
             let help = "use `Load`, `Compact`, `Cement`, `Remove` and `Save`";

@@ -103,6 +103,10 @@ fn of_specimen(context: &Context, path: String, of: &Select, findings: &mut Find
         findings.add(format_args!("{path}"), message, help);
         return;
     }
+    if of.needs_forces() {
+        let help = "select by place, or take loose particles away in a `Remove` stage";
+        findings.add(format_args!("{path}"), "no contact carries force yet", help);
+    }
     let whole = Context::uncut(context.scene, context.specimen);
     select::select(&whole, format_args!("{path}"), of, findings);
 }

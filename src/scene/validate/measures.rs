@@ -100,6 +100,10 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                 }
                 findings.not_negative(format_args!("{path}.moved"), *moved, "a displacement in m");
             }
+            Quantity::Ring { centre, radii, .. } => {
+                findings.vector(format_args!("{path}.centre"), *centre, "a place in m");
+                findings.range(format_args!("{path}.radii"), *radii, "radii in m");
+            }
             Quantity::Custom(name) if name.trim().is_empty() => {
                 let help = "name a measure that a plugin of the program provides";
                 findings.add(format_args!("{path}[0]"), "no name", help);

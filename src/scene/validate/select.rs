@@ -60,6 +60,9 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
         Select::Box { .. } | Select::Circle { .. } | Select::Layer { .. } | Select::Polygon(_) => {
             region(path, select, findings);
         }
+        Select::Loose(contacts) => {
+            findings.at_least_one(format_args!("{path}[0]"), *contacts, "a number of contacts");
+        }
         Select::Union(list) | Select::Intersection(list) => {
             if list.is_empty() {
                 findings.add(path, "a set of no selections", "give one or more");

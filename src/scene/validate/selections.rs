@@ -51,6 +51,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                 material: seed.material.as_deref().or(only.copied()),
                 group: seed.group.as_deref(),
                 probe: seed.probe.as_deref().or(probes.get(&index).copied()),
+                core: u32::MAX,
             };
             selects(select, &scene.groups, &of)
         };
@@ -73,8 +74,8 @@ fn regions<'a>(
 ) -> impl Iterator<Item = (String, &'a Select)> {
     let of = |select: &Select| match select {
         Select::All | Select::Index(_) | Select::Range(..) | Select::Probe(_) => false,
-        Select::Group(name) => groups.contains_key(name),
-        _ => true,
+        Select::Group(name) => groups.get(name).is_some_and(|of| !of.needs_forces()),
+        _ => !select.needs_forces(),
     };
     let load = stage.load();
     let controls = load.into_iter().flat_map(|load| load.particles.iter().enumerate());

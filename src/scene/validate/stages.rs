@@ -348,4 +348,12 @@ fn control_of_particles(
     if let Some(moment) = control.moment {
         findings.finite(format_args!("{path}.moment"), moment, "a moment in N m");
     }
+    if let Some(remains) = control.remains {
+        let (path, share) = (format_args!("{path}.remains"), |share| (0.0..=1.0).contains(&share));
+        findings.number(path, remains, share, "a share from 0 to 1");
+        if control.force.is_some() || control.moment.is_some() {
+            let help = "give the share that remains, or `force` and `moment`";
+            findings.add(path, "the load is set twice", help);
+        }
+    }
 }

@@ -106,7 +106,10 @@ pub(super) fn never(
     };
     let counts = matches!(
         of,
-        Quantity::Strain(_) | Quantity::VolumetricStrain | Quantity::DilationAngle { .. }
+        Quantity::Strain(_)
+            | Quantity::VolumetricStrain
+            | Quantity::DilationAngle { .. }
+            | Quantity::Ring { .. }
     ) || matches!(of, Quantity::Grains { moved, .. } if *moved > 0.0);
     if counts && here < reference {
         let name = context.stages[reference];
