@@ -23,8 +23,10 @@ impl Collapse {
     /// The collapse that the last increment found.
     fn found(world: &World, stage: &Stage) -> Self {
         let complaint = &world.resource::<Attempt>().complaint;
-        let (by, reason) = if let Some(reason) = proof(world) {
-            (CollapsedBy::Proof, reason)
+        let (by, reason) = if let Some(proof) = proof(world) {
+            // The mechanism may be that of one loose grain, and the motion that of a slide.
+            let motion = if complaint.is_empty() { "" } else { "; " };
+            (CollapsedBy::Proof, format!("{proof}{motion}{complaint}"))
         } else {
             let reason = format!(
                 "{complaint}; nor does it in steps half as long; no mechanism proves the collapse"

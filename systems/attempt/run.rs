@@ -12,8 +12,7 @@ use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, C
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::next::{Budget, Next, next};
-use super::proof::drop_a_lesser_one;
-use super::share::{count, share};
+use super::share::share;
 use super::{events, motion};
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
@@ -27,7 +26,6 @@ pub fn run_attempts(world: &mut World) {
     begin_increment(world);
     // The tables before the first motion, for restoring them.
     let mut start = None;
-    let mut moved_by_motion = 0;
     loop {
         if !world.contains_resource::<ClasticHalted>() {
             world.run_schedule(AttemptIncrement);
@@ -45,9 +43,6 @@ pub fn run_attempts(world: &mut World) {
             let moving = moved(world.resource(), &start.bodies);
             let share = share(&start.bodies, &start.draft.0, &moving);
             *reason += &format!("; it has moved {share}, by more than a radius");
-            moved_by_motion = count(&moving);
-        } else if world.resource::<Attempt>().mode == Mode::Proof {
-            drop_a_lesser_one(world, moved_by_motion);
         }
         let mut attempt = world.resource_mut::<Attempt>();
         let next = next(&attempt.mode, &verdict, budget);
