@@ -140,6 +140,8 @@ pub struct Attempt {
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,
+    /// The share of the specimen that a motion without rest has moved, in words.
+    pub moved: Option<String>,
     /// Status under which the increment ended.
     pub status: IncrementStatus,
     /// Complaint about the last rejected attempt, which may be empty. For the status `Undecided` it

@@ -169,13 +169,16 @@ fn after_collapse(script: &Script) -> Option<String> {
     let collapsed = &script.collapse.as_ref()?.stage;
     let after = script.ends.iter().skip_while(|end| end.stage != *collapsed).skip(1);
     let solved: Vec<_> = after
-        .filter(|end| end.increments > 0 && end.ended_by != Some(EndedBy::Collapse))
+        .filter(|end| {
+            end.increments > 0
+                && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
+        })
         .map(|end| label(&end.stage).to_string())
         .collect();
     (!solved.is_empty()).then(|| {
         format!(
-            "WARNING: the specimen collapsed in stage {}; stages {} went on from the last equilibrium before \
-             that and were solved",
+            "WARNING: stage {} collapsed; what came after it ({}) was solved from the last equilibrium before \
+             that, which the collapse would have left",
             label(collapsed),
             solved.join(", ")
         )
@@ -357,7 +360,10 @@ mod tests {
             after_collapse(&Script { ends, collapse: Some(collapse), ..Script::new(&scene) })
         };
         let line = said(EndedBy::AllIncrements).unwrap();
-        assert!(line.contains("collapsed in stage confine; stages shear went on"), "{line}");
+        assert!(
+            line.contains("stage confine collapsed; what came after it (shear) was solved"),
+            "{line}"
+        );
         assert_eq!(said(EndedBy::Collapse), None);
     }
 

@@ -8,6 +8,7 @@ use glam::DVec2;
 use clastic_components::body::{BodyId, BodyOrigin, BodyPosition};
 use clastic_components::bond::Bond;
 use clastic_components::cell::{CellControl, PeriodicCell};
+use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::ClasticProgress;
 use clastic_components::measure::StrainReference;
 use clastic_components::particle::Particle;
@@ -93,8 +94,7 @@ pub fn compact(world: &mut World, disks: f64, porosity: f64, step: f64) -> Optio
     Some(steps)
 }
 
-/// Ends the cell: particles are put back into it, and bonds across its sides go. What crosses a side
-/// touches nothing from then on.
+/// Ends the cell: particles are put back into it, and contacts and bonds across its sides go.
 pub fn open(world: &mut World) {
     let Some(cell) = world.remove_resource::<PeriodicCell>() else { return };
     let (mut places, mut shifts) = (BTreeMap::new(), BTreeMap::new());
@@ -115,15 +115,18 @@ pub fn open(world: &mut World) {
         }
     }
     let mut bonds = world.query::<(Entity, &Bond)>();
-    let crosses = |bond: &Bond| {
-        let apart = places.get(&bond.b).zip(places.get(&bond.a)).map(|(b, a)| *b - *a);
+    let crosses = |a: BodyId, b: BodyId| {
+        let apart = places.get(&b).zip(places.get(&a)).map(|(b, a)| *b - *a);
         apart.is_some_and(|apart| cell.shift(apart) != DVec2::ZERO)
     };
-    let across: Vec<_> =
-        bonds.iter(world).filter(|(_, bond)| crosses(bond)).map(|(entity, _)| entity).collect();
+    let across = bonds.iter(world).filter(|(_, bond)| crosses(bond.a, bond.b));
+    let across: Vec<_> = across.map(|(entity, _)| entity).collect();
     for bond in across {
         world.despawn(bond);
     }
+    let ids = world.resource::<KeptRows>().ids.clone();
+    let mut history = world.resource_mut::<ContactHistory>();
+    history.0.retain(|m| !crosses(ids[m.a as usize], ids[m.b as usize]));
 }
 
 /// The cell stands still, without stress.

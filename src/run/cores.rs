@@ -24,7 +24,8 @@ pub fn cores(world: &mut World) -> BTreeMap<BodyId, u32> {
         neighbours.remove(member);
     }
     let ids = &world.resource::<KeptRows>().ids;
-    let carrying = world.resource::<ContactHistory>().0.iter();
+    // A bond that has just broken in tension has left its force there.
+    let carrying = world.resource::<ContactHistory>().0.iter().filter(|m| m.p > 0.0);
     let ordered = |a: BodyId, b: BodyId| (a.min(b), a.max(b));
     let carrying = carrying.map(|m| ordered(ids[m.a as usize], ids[m.b as usize]));
     let mut pairs: Vec<_> = carrying.collect();

@@ -9,10 +9,10 @@ use clastic_components::cell::PeriodicCell;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 
-use clastic_systems::tractions::{keep_tractions, loosened_wall};
+use clastic_systems::tractions::{keep_tractions, loosened_wall, membrane_on};
 
 use super::load_refusals::why_empty;
-use super::select::{selected, selected_at};
+use super::select::{needs_forces, selected, selected_at};
 use crate::scene::format::Remove;
 
 /// Takes the selected particles away. Their bonds and the memory of their contacts go with them, by
@@ -47,7 +47,7 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
             cell.width, cell.height
         ));
     }
-    if ids.is_empty() && !stage.open_cell && !stage.select.needs_forces() {
+    if ids.is_empty() && !stage.open_cell && !needs_forces(world, &stage.select) {
         let (what, remedy) = why_empty(&stage.select);
         return because(format!("select selects no particle: {what}; {remedy}"));
     }
@@ -60,7 +60,16 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
     {
         return because(format!(
             "keep_tractions holds particles only, and select takes particles that carry the wall \
-             `{wall}`; select none that touches it, or hold that wall in a loading stage before"
+             `{wall}`; select none that touches it, or hold that wall, outside of rigid groups, in a loading stage before"
+        ));
+    }
+    if stage.keep_tractions
+        && let Some(membrane) = membrane_on(world, &ids)
+    {
+        return because(format!(
+            "keep_tractions does not hold a membrane, and select takes particles on which the membrane \
+             `{membrane}` presses, which would then press on those behind them too; select others, or end \
+             the membrane in a loading stage before (`remove_membranes`)"
         ));
     }
     let mut groups = world.query::<&RigidGroup>();

@@ -70,6 +70,12 @@ fn is_inside(corners: &[(f64, f64)], x: DVec2) -> bool {
     corners.iter().zip(next).filter(crosses).count() % 2 == 1
 }
 
+/// Whether a selection depends on the forces of contacts. A world without a scene has no groups.
+pub(super) fn needs_forces(world: &World, select: &Select) -> bool {
+    let script = world.get_resource::<Script>();
+    select.needs_forces(script.map_or(&BTreeMap::new(), |script| &script.scene.groups))
+}
+
 /// The particles of a world that a selection has, by entity.
 #[must_use]
 pub fn selected(world: &mut World, select: &Select) -> Vec<(BodyId, Entity)> {
@@ -91,10 +97,7 @@ pub(super) fn selected_at(
         Option<&Probe>,
     ), With<Particle>>();
     // Few selections ask how well particles are held.
-    let named = world
-        .get_resource::<Script>()
-        .is_some_and(|s| s.scene.groups.values().any(Select::needs_forces));
-    let cores = if named || select.needs_forces() { cores(world) } else { BTreeMap::new() };
+    let cores = if needs_forces(world, select) { cores(world) } else { BTreeMap::new() };
     // A world whose stages are those of a program has no groups.
     let empty = BTreeMap::new();
     let groups = world.get_resource::<Script>().map_or(&empty, |script| &script.scene.groups);

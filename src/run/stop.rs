@@ -22,17 +22,19 @@ use crate::scene::format::{Stage, Stop};
 impl Collapse {
     /// The collapse that the last increment found.
     fn found(world: &World, stage: &Stage) -> Self {
-        let complaint = &world.resource::<Attempt>().complaint;
-        let (by, reason) = if let Some(proof) = proof(world) {
-            // The mechanism may be that of one loose grain, and the motion that of a slide.
-            let motion = if complaint.is_empty() { "" } else { "; " };
-            (CollapsedBy::Proof, format!("{proof}{motion}{complaint}"))
+        let Attempt { complaint, moved, .. } = world.resource();
+        let (by, mut reason) = if let Some(proof) = proof(world) {
+            (CollapsedBy::Proof, proof)
         } else {
             let reason = format!(
                 "{complaint}; nor does it in steps half as long; no mechanism proves the collapse"
             );
             (CollapsedBy::Motion, reason)
         };
+        // A mechanism may be that of one loose grain, and the motion that of a slide.
+        if let Some(share) = moved {
+            reason += &format!("; the motion moved {share} by more than a radius");
+        }
         let increment = world.resource::<ClasticProgress>().increment;
         Self { stage: stage.name().to_owned(), increment, by, reason }
     }

@@ -18,8 +18,14 @@ pub fn proof(world: &World) -> Option<String> {
         (world.get_resource::<BodyTable>()?, world.get_resource::<ConeProgram>()?);
     let most = moves_most(bodies, program, &certificate.mechanism);
     let most = most.map_or(String::new(), |(body, _)| format!(", in which {body} moves most"));
-    let far = translations(certificate);
+    let mut far = translations(certificate);
+    far.truncate(bodies.particles);
     let moving: Vec<_> = (0..bodies.particles).map(takes_part(&far)).collect();
-    let moving = share(bodies, world.get_resource()?, &moving);
-    Some(format!("no equilibrium exists: a mechanism proves it{most}; it moves {moving}"))
+    // One of walls, or of disks that turn, moves no particle.
+    let share = if moving.contains(&true) {
+        format!("; it moves {}", share(bodies, world.get_resource()?, &moving))
+    } else {
+        String::new()
+    };
+    Some(format!("no equilibrium exists: a mechanism proves it{most}{share}"))
 }

@@ -37,12 +37,11 @@ pub fn run_attempts(world: &mut World) {
             return;
         }
         let budget = budget(world);
-        let mut attempt = world.resource_mut::<Attempt>();
-        let mut verdict = std::mem::take(&mut attempt.verdict);
-        if let (Verdict::GivesWay(reason), Some(start)) = (&mut verdict, &start) {
+        let verdict = std::mem::take(&mut world.resource_mut::<Attempt>().verdict);
+        if let (Verdict::GivesWay(_), Some(start)) = (&verdict, &start) {
             let moving = moved(world.resource(), &start.bodies);
             let share = share(&start.bodies, &start.draft.0, &moving);
-            *reason += &format!("; it has moved {share}, by more than a radius");
+            world.resource_mut::<Attempt>().moved = Some(share);
         }
         let mut attempt = world.resource_mut::<Attempt>();
         let next = next(&attempt.mode, &verdict, budget);

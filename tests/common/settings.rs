@@ -76,6 +76,7 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         interior.max_start_compliance, interior.proximal, interior.min_proximal,
         interior.refined, interior.product_weight, interior.min_force,
         interior.near, interior.slow, interior.patience, interior.progress,
+        interior.max_decisions, interior.decided,
         warm.sweeps, warm.full_sweep_every, warm.max_gap, warm.product, warm.max_returns,
         sleep.max_residual,
     ];

@@ -248,7 +248,7 @@ fn a_collapse_says_what_the_mechanism_moves_and_what_the_motion_moves() {
     assert_eq!(collapse.by, CollapsedBy::Proof, "{}", collapse.reason);
     for share in [
         "it moves 1 of 8 particles (12.5 % of the mass)",
-        "it has moved 6 of 8 particles (75.0 % of the mass)",
+        "the motion moved 6 of 8 particles (75.0 % of the mass)",
     ] {
         assert!(collapse.reason.contains(share), "{}", collapse.reason);
     }

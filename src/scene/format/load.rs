@@ -117,7 +117,7 @@ impl Load {
             all.into_iter().flatten().any(|target| matches!(target, CellTarget::Stress(_)))
         };
         self.walls.values().any(loaded)
-            || self.particles.iter().any(|entry| entry.force.is_some() || entry.moment.is_some())
+            || self.particles.iter().any(ParticleControl::is_load)
             || !self.rigid.is_empty()
             || !self.membranes.is_empty()
             || self.cell.as_deref().is_some_and(stressed)

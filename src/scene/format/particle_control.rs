@@ -1,5 +1,7 @@
 //! Controls of particles in a stage.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 /// Control of the selected particles in a stage.
@@ -30,6 +32,14 @@ pub struct ParticleControl {
     /// Share of the force and the moment at the start of the stage that is left at its end, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remains: Option<f64>,
+}
+
+impl ParticleControl {
+    /// Whether it brings a load of the particles to a target.
+    #[must_use]
+    pub fn is_load(&self) -> bool {
+        self.force.is_some() || self.moment.is_some() || self.remains.is_some()
+    }
 }
 
 /// A selection of particles.
@@ -104,10 +114,19 @@ impl Select {
         }
     }
 
-    /// Whether it depends on the forces of contacts. Groups that it names do not count.
+    /// Whether it, or a group of the scene that it names, depends on the forces of contacts.
     #[must_use]
-    pub fn needs_forces(&self) -> bool {
-        matches!(self, Self::Loose(_)) || self.parts().into_iter().any(Self::needs_forces)
+    pub fn needs_forces(&self, groups: &BTreeMap<String, Self>) -> bool {
+        match self {
+            Self::Loose(_) => true,
+            Self::Group(name) => groups.get(name).is_some_and(|of| {
+                // A group that names itself is refused elsewhere.
+                let mut others = groups.clone();
+                others.remove(name);
+                of.needs_forces(&others)
+            }),
+            _ => self.parts().into_iter().any(|part| part.needs_forces(groups)),
+        }
     }
 
     /// The selections that it is made of.

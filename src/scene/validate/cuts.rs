@@ -103,7 +103,7 @@ fn of_specimen(context: &Context, path: String, of: &Select, findings: &mut Find
         findings.add(format_args!("{path}"), message, help);
         return;
     }
-    if of.needs_forces() {
+    if of.needs_forces(&context.scene.groups) {
         let help = "select by place, or take loose particles away in a `Remove` stage";
         findings.add(format_args!("{path}"), "no contact carries force yet", help);
     }

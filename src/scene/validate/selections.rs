@@ -74,8 +74,8 @@ fn regions<'a>(
 ) -> impl Iterator<Item = (String, &'a Select)> {
     let of = |select: &Select| match select {
         Select::All | Select::Index(_) | Select::Range(..) | Select::Probe(_) => false,
-        Select::Group(name) => groups.get(name).is_some_and(|of| !of.needs_forces()),
-        _ => !select.needs_forces(),
+        Select::Group(name) if !groups.contains_key(name) => false,
+        _ => !select.needs_forces(groups),
     };
     let load = stage.load();
     let controls = load.into_iter().flat_map(|load| load.particles.iter().enumerate());

@@ -248,6 +248,11 @@ fn scale(context: &Context, path: Arguments, stage: &Load, findings: &mut Findin
             "give a wall, a particle, a rigid group, a membrane or the cell a load in this stage";
         findings.add(format_args!("{path}.scale.loads"), "a factor on no load", help);
     }
+    if let Some((_, first)) = loads.first() {
+        let what = "0, at which loads are those that the stage begins with";
+        let path = format_args!("{path}.scale.loads[0][1]");
+        findings.number(path, *first, |first| first == 0.0, what);
+    }
     for (k, (_, factor)) in loads.iter().enumerate().filter(|_| !stage.membranes.is_empty()) {
         let what = "a factor of 0 to 1, as a membrane cannot pull";
         let allowed = |factor: f64| (0.0..=1.0).contains(&factor);

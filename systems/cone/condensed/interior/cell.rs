@@ -475,7 +475,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Moves the slacks and multipliers of undecided limits to a product, with their difference as
-    /// it is. The step that follows keeps all products.
+    /// it is. The step that follows aims at products of zero.
     pub fn decide(&mut self, size: f64, product: f64) {
         self.correction = [0.0; Q];
         for q in 0..Q {

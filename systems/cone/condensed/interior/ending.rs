@@ -12,14 +12,6 @@ const NEAR: f64 = 1e4;
 /// a solution already.
 const MAX_IDLE: usize = 3;
 
-/// Maximum number of times that limits are decided. Of 32 increments of a specimen that breaks, 28
-/// take up to three.
-const MAX_DECISIONS: usize = 4;
-/// Slack and multiplier that leave a limit undecided, over those that a solution may have.
-const SMALL: f64 = 1e-4;
-/// What a decision gives to slack and multiplier where both vanish, over the tolerance.
-const DECIDED: f64 = 1e-4;
-
 /// Memory of earlier points.
 pub struct Ending<'a> {
     settings: &'a InteriorSettings,
@@ -122,12 +114,14 @@ impl<'a> Ending<'a> {
     /// little of a limit that is just reached: slack and multiplier are both its root. Returns how the
     /// method ends.
     pub fn decide(&mut self, iteration: &mut Iteration, judge: &impl Judge, size: f64) -> End {
-        if self.solution.is_none() {
+        // The method may have gone on to a worse point, or to none.
+        if self.solution.is_none() || !(iteration.merit() <= self.best.merit) {
             iteration.restore(&self.best);
         }
         // Limits that are decided by less mislead where grains are loose: first the clear ones.
-        for small in [size, SMALL * size] {
-            let Some(point) = self.decided(iteration, judge, small, DECIDED * size) else { break };
+        let rest = self.settings.decided * size;
+        for small in [size, rest] {
+            let Some(point) = self.decided(iteration, judge, small, rest) else { break };
             self.solution = Some(point);
         }
         self.limit()
@@ -142,7 +136,7 @@ impl<'a> Ending<'a> {
         rest: f64,
     ) -> Option<Interior> {
         let mut point = self.best.clone();
-        for _ in 0..MAX_DECISIONS {
+        for _ in 0..self.settings.max_decisions {
             if iteration.undecided(small) == 0 {
                 iteration.store(&mut point);
                 if judge.is_solution(&point) {
