@@ -118,6 +118,10 @@ pub enum Quantity {
         /// The value.
         value: MembraneValue,
     },
+    /// Magnitude of gravity, m/s^2.
+    Gravity,
+    /// Factor on cohesion, tensile strength and friction.
+    StrengthFactor,
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.
@@ -144,6 +148,7 @@ impl Quantity {
             Self::GroupForce { component: 2, .. } => "N m",
             Self::WallForce { .. } | Self::GroupForce { .. } => "N",
             Self::Poured { mass: true } | Self::Grains { amount: GrainAmount::Mass, .. } => "kg",
+            Self::Gravity => "m/s^2",
             Self::Time => "s",
             Self::Strain(_)
             | Self::Porosity(_)

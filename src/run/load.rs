@@ -24,7 +24,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
         world.insert_resource(StepControl::new(accuracy));
     }
 
-    let confining = membranes::stress_of(world, &stage.remove_walls);
+    let confining = membranes::pressures_before(world, stage);
     for name in &stage.remove_walls {
         for wall in find_walls(world, name) {
             world.despawn(wall);
@@ -39,7 +39,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     super::cell::control(world, stage);
     particle_controls::set(world, stage, &analysis);
     rigid::control_groups(world, stage, &analysis);
-    membranes::control_membranes(world, stage, confining);
+    membranes::control_membranes(world, stage, &confining);
 }
 
 /// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the

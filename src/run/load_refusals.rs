@@ -49,9 +49,10 @@ pub(super) fn why_empty(select: &scene::Select) -> (String, String) {
             format!("no particle has an index of {list:?}"),
             "name particles that exist".to_owned(),
         ),
-        scene::Select::Group(name) => {
-            (format!("no particle is of group `{name}`"), "name a group that exists".to_owned())
-        }
+        scene::Select::Group(name) => (
+            format!("no particle is of group `{name}`"),
+            "name a group of which particles are left".to_owned(),
+        ),
         scene::Select::Probe(name) => {
             (format!("no particle is the probe `{name}`"), "name a probe that exists".to_owned())
         }

@@ -1,9 +1,11 @@
 //! Membranes at the start of a loading stage: removed, made and given a pressure.
 
+use std::collections::BTreeMap;
+
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyExternalForce, BodyId};
+use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition};
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::membrane::{Course, Membrane};
@@ -20,9 +22,9 @@ pub fn find_membrane(world: &mut World, name: &str) -> Option<Entity> {
     membranes.iter(world).find(|(_, membrane)| membrane.name == name).map(|(entity, _)| entity)
 }
 
-/// Removes, makes and controls the membranes of a stage. A new one starts from the pressure
+/// Removes, makes and controls the membranes of a stage. A new one starts from its pressure
 /// `before`, Pa.
-pub fn control_membranes(world: &mut World, stage: &scene::Load, before: f64) {
+pub fn control_membranes(world: &mut World, stage: &scene::Load, before: &BTreeMap<String, f64>) {
     for name in &stage.remove_membranes {
         if let Some(membrane) = find_membrane(world, name) {
             world.despawn(membrane);
@@ -37,7 +39,7 @@ pub fn control_membranes(world: &mut World, stage: &scene::Load, before: f64) {
             if let Some(mut membrane) = world.get_mut::<Membrane>(membrane) {
                 membrane.pressure.1 = control.pressure;
             }
-        } else if let Some(membrane) = made(world, name, control, before) {
+        } else if let Some(membrane) = made(world, name, control, before[name]) {
             world.spawn(membrane);
         }
     }
@@ -65,11 +67,25 @@ fn made(
     Some(Membrane { name: name.to_owned(), pressure, course, ball: control.ball })
 }
 
-/// Mean normal stress of walls, Pa: the stress that they impose, or their reaction over the drawn
-/// length. A membrane in their place starts from it. 0 without walls.
-pub fn stress_of(world: &mut World, names: &[String]) -> f64 {
+/// Pressures from which the membranes of a stage start in the place of the walls that it removes, by
+/// name, Pa.
+pub fn pressures_before(world: &mut World, stage: &scene::Load) -> BTreeMap<String, f64> {
+    let before = |(name, control): (&String, &scene::MembraneControl)| {
+        (name.clone(), stress_of(world, &stage.remove_walls, control.between.as_ref()))
+    };
+    stage.membranes.iter().map(before).collect()
+}
+
+/// Mean normal stress of walls, Pa: the stress that they impose, or their reaction over the distance of
+/// the two walls `between` which the membrane lies, or over the drawn length. 0 without walls.
+fn stress_of(world: &mut World, names: &[String], between: Option<&(String, String)>) -> f64 {
     let thickness = world.resource::<ClasticAnalysis>().thickness;
     let walls: Vec<Entity> = names.iter().flat_map(|name| find_walls(world, name)).collect();
+    let distance = between.and_then(|(a, b)| {
+        let (first, second) = (find_wall(world, a)?, find_wall(world, b)?);
+        let apart = world.get::<BodyPosition>(second)?.0 - world.get::<BodyPosition>(first)?.0;
+        Some(apart.dot(world.get::<Wall>(first)?.inward()))
+    });
     let stress = |wall: &Entity| {
         if let Some(WallControl::Stress { to, .. }) = world.get::<WallControl>(*wall) {
             return *to;
@@ -77,7 +93,7 @@ pub fn stress_of(world: &mut World, names: &[String]) -> f64 {
         match (world.get::<Wall>(*wall), world.get::<BodyExternalForce>(*wall)) {
             (Some(wall), Some(force)) => {
                 let force = DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
-                force / (2.0 * wall.half_length * thickness)
+                force / (distance.unwrap_or(2.0 * wall.half_length) * thickness)
             }
             _ => 0.0,
         }

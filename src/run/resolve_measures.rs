@@ -158,6 +158,8 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
         scene::Quantity::Ring { centre, radii, value } => {
             Quantity::Ring { centre: (*centre).into(), radii: [radii.0, radii.1], value: *value }
         }
+        scene::Quantity::Gravity => Quantity::Gravity,
+        scene::Quantity::StrengthFactor => Quantity::StrengthFactor,
         scene::Quantity::Time => Quantity::Time,
         scene::Quantity::Custom(name) => Quantity::Custom(name.clone()),
     })

@@ -59,6 +59,8 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::ElasticEnergy
         | Quantity::KineticOverElastic
         | Quantity::Custom(_)
+        | Quantity::Gravity
+        | Quantity::StrengthFactor
         | Quantity::Time => None,
     }
 }

@@ -247,6 +247,8 @@ impl EndTables<'_, '_> {
                 let ring = (*centre, *radii, self.analysis.thickness);
                 ring::read(&self.particles, self.strains.starts()?, ring, *value)
             }
+            Quantity::Gravity => Some(self.analysis.gravity.length()),
+            Quantity::StrengthFactor => Some(self.analysis.strength),
             Quantity::Time => Some(self.observation.time),
         }
     }

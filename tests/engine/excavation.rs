@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
 
 use bevy_ecs::prelude::With;
-use clastic::components::body::{BodyId, BodyPosition};
+use clastic::components::body::{BodyId, BodyPosition, LoadControl};
 use clastic::components::measure::Readings;
+use clastic::components::membrane::Membrane;
 use clastic::components::particle::Particle;
 use clastic::run::{CollapsedBy, Outcome, Simulation};
 use clastic::scene::format::Scene;
@@ -27,6 +28,7 @@ fn ground(law: &str, cement: &str, stages: &str) -> String {
             contact: (normal_stiffness: 2.0e7, tangential_stiffness: 1.0e7, friction: 0.5),
             bond: (normal_stiffness: 2.0e7, tangential_stiffness: 1.0e7, friction: 0.5,
                 cohesion: 1.0e7, tensile_strength: 1.0e7)) }},
+          groups: {{ \"loose\": Loose(2) }},
           specimen: Packing(count: 144, columns: 12, spacing: 10.1e-3, seed: 2,
             sizes: Uniform(radius: (3.0e-3, 5.0e-3))),
           walls: [{}, {}, {}, {}],
@@ -125,10 +127,17 @@ fn closure_of_elastic_ground_is_in_proportion_to_what_is_released() {
     let in_a_stage = dig(true, &release("release", 0.0));
     let part = dig(true, &release("part", 0.4));
     let in_two = dig(true, &format!("{}, {}", release("part", 0.4), release("rest", 0.0)));
+    // All of it in the first of two increments.
+    let early = dig(
+        true,
+        "Load(name: \"release\", increments: 2, particles: [(select: All, remains: 0.0)],
+            scale: (loads: [(0.0, 0.0), (0.5, 1.0)]))",
+    );
     let far = maximum(&at_once);
     for (id, whole) in &at_once {
         assert!((in_a_stage[id] - *whole).length() < 1e-3 * far, "{id:?}");
         assert!((in_two[id] - *whole).length() < 1e-3 * far, "{id:?}");
+        assert!((early[id] - *whole).length() < 1e-3 * far, "{id:?}");
         assert!((part[id] - 0.6 * *whole).length() < 1e-3 * far, "{id:?}");
     }
 }
@@ -212,14 +221,110 @@ fn tractions_that_cannot_stay_are_refused_when_the_stage_begins() {
     };
     let loaded = at(0.12);
     assert!(loaded.contains("stage `dig` cannot begin") && loaded.contains("`right`"), "{loaded}");
+    let wrapped = refused(
+        "Load(name: \"wrap\", increments: 1, walls: { \"top\": Fixed, \"bottom\": Fixed },
+            remove_walls: [\"left\", \"right\"],
+            membranes: { \"skin\": (pressure: p, between: (\"bottom\", \"top\")) }),
+         Remove(name: \"dig\", select: Circle(centre: (0.0, 0.05), radius: 0.015), keep_tractions: true)",
+    );
+    assert!(wrapped.contains("the membrane `skin` presses"), "{wrapped}");
     let none =
         refused("Load(name: \"release\", increments: 1, particles: [(select: All, remains: 0.5)])");
     assert!(none.contains("particles[0].remains") && none.contains("have none"), "{none}");
 }
 
+/// The wall on the left is held and drawn longer than the specimen is high. A membrane once started from
+/// its force over the drawn length, and let the specimen go slack.
+#[test]
+fn a_membrane_starts_from_the_stress_of_the_walls_that_it_replaces() {
+    let wrap = "Load(name: \"wrap\", increments: 4, walls: { \"top\": Fixed, \"bottom\": Fixed },
+        remove_walls: [\"left\", \"right\"],
+        membranes: { \"skin\": (pressure: 3.0e4, between: (\"bottom\", \"top\")) })";
+    let mut simulation = Simulation::new(&parse(&ground("Associated", "", wrap)), None);
+    while let Some(record) = next(&mut simulation) {
+        if record.stage == "wrap" {
+            break;
+        }
+    }
+    let world = simulation.world_mut();
+    let before = world.query::<&Membrane>().single(world).unwrap().pressure.0;
+    assert_relative(before, 2.0e4, 1e-3);
+}
+
+/// Loads of the particles at the end of a run, by particle: force (N) and moment (N m).
+fn loads(scene: &Scene) -> BTreeMap<BodyId, [f64; 3]> {
+    let mut simulation = Simulation::new(scene, None);
+    assert_eq!(simulation.run(), Outcome::Completed);
+    let world = simulation.world_mut();
+    let mut all = world.query_filtered::<(&BodyId, &LoadControl), With<Particle>>();
+    all.iter(world).map(|(id, load)| (*id, load.0.map(|(_, now)| now))).collect()
+}
+
+const HOLD: &str = "Load(name: \"hold\", increments: 1,
+    particles: [(select: All, x: Held, y: Held, rotation: Held)])";
+
+/// A bond that broke in the last increment carried 20 N in it, and carries nothing now.
+#[test]
+fn a_bond_that_has_just_broken_leaves_no_traction() {
+    let loads_of = |pulled: f64| {
+        loads(&parse(&format!(
+            "(version: 1, title: \"pair\", rupture: (order: OneRound),
+              materials: {{ \"m\": (density: 2000.0,
+                contact: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.5),
+                bond: (normal_stiffness: 1.0e6, tangential_stiffness: 1.0e6, friction: 0.5,
+                    cohesion: 1.0e3, tensile_strength: 1.0e3)) }},
+              specimen: Particles([(position: (0.0, 0.0), radius: 0.01), (position: (0.02, 0.0), radius: 0.01)]),
+              stages: [Cement(name: \"cement\", length: 1.0e-4),
+                Load(name: \"pull\", increments: 1, particles: [
+                    (select: Index([0]), x: Held, y: Held, rotation: Held),
+                    (select: Index([1]), x: Displacement({pulled:?}), y: Held, rotation: Held)]),
+                Remove(name: \"dig\", select: Index([0]), keep_tractions: true), {HOLD}])"
+        )))
+    };
+    // It breaks at 2 r 1 kPa = 20 N, an elongation of 20 um.
+    let [intact, broken] = [1.0e-5, 3.0e-5].map(|pulled| loads_of(pulled)[&BodyId(1)]);
+    assert!((intact[0] + 10.0).abs() < 1e-6, "{intact:?}");
+    assert_eq!(broken, [0.0; 3]);
+}
+
+/// What touched across the side of a cell that has ended leaves no tractions on the other side.
+#[test]
+fn contacts_across_the_sides_of_a_cell_end_with_it() {
+    let loads = loads(&parse(&format!(
+        "(version: 1, title: \"cell\", let: {{ \"p\": 2.0e4 }},
+          materials: {{ \"m\": (density: 2000.0,
+            contact: (normal_stiffness: 2.0e7, tangential_stiffness: 1.0e7, friction: 0.5)) }},
+          specimen: Packing(count: 100, columns: 10, spacing: 10.1e-3, seed: 2,
+            sizes: Uniform(radius: (3.0e-3, 5.0e-3))),
+          cell: (size: (0.101, 0.101)),
+          stages: [
+            Compact(name: \"compact\", target: Jammed, step: 1.0e-3, agitation: 0.1, seed: 1),
+            Load(name: \"press\", increments: 5, cell: (xx: Stress(p), yy: Stress(p))),
+            Remove(name: \"open\", open_cell: true, select: Box(min: (0.0, 0.0), max: (0.01, 0.01))),
+            Remove(name: \"dig\", select: Box(min: (-1.0, -1.0), max: (0.02, 1.0)), keep_tractions: true),
+            {HOLD}])"
+    )));
+    let loaded: Vec<_> = loads.iter().filter(|(_, load)| **load != [0.0; 3]).collect();
+    assert!(loaded.len() > 3, "{loaded:?}");
+    // What is dug presses to the right.
+    assert!(loaded.iter().all(|(_, [x, ..])| *x > 0.0), "{loaded:?}");
+}
+
+/// A group of loose particles may be a part of a selection.
+#[test]
+fn a_group_of_loose_particles_is_known_when_the_stage_begins() {
+    let scale = format!(
+        "Remove(name: \"dig\", select: {HOLE}, keep_tractions: true),
+         Remove(name: \"scale\", select: Intersection([Group(\"loose\"), Circle(centre: (0.06, 0.05), radius: 0.03)]),
+            keep_tractions: true),
+         Remove(name: \"none\", select: Group(\"loose\")), {HOLD}"
+    );
+    let left = loads(&parse(&ground("Associated", CEMENT, &scale))).len();
+    assert!(left < 144, "{left}");
+}
+
 /// A grain falls on a bonded bridge that carries itself and not the grain. The mechanism of the state at
-/// hand moves the grain alone and proves nothing about the bridge: the collapse is that of the motion, in
-/// which the bridge falls.
+/// hand moves the grain alone, and the bridge falls in the motion that follows.
 #[test]
 fn a_collapse_says_what_the_mechanism_moves_and_what_the_motion_moves() {
     let weight = 2000.0 * PI * 0.01 * 0.01 * 9.81;

@@ -112,6 +112,10 @@ pub enum Quantity {
         /// The value.
         value: MembraneValue,
     },
+    /// Magnitude of gravity, m/s^2.
+    Gravity,
+    /// Factor on cohesion, tensile strength and friction, see [`Scale`](super::Scale).
+    StrengthFactor,
     /// Time, s.
     Time,
     /// The value that a plugin provides under this name.

@@ -118,6 +118,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             | Quantity::ElasticEnergy
             | Quantity::KineticOverElastic
             | Quantity::Poured(_)
+            | Quantity::Gravity
+            | Quantity::StrengthFactor
             | Quantity::Time
             | Quantity::Custom(_) => {}
         }
