@@ -162,6 +162,7 @@ impl Quantity {
             | Self::Poured { .. }
             | Self::Grains { .. }
             | Self::Membrane { .. }
+            | Self::StrengthFactor
             | Self::Custom(_) => "",
         }
     }
