@@ -167,3 +167,31 @@ fn a_group_that_turns_beside_a_grain_is_no_loose_grain() {
     let Outcome::Collapsed(collapse) = outcome else { panic!("{outcome:?}") };
     assert_eq!(collapse.by, clastic::run::stages::CollapsedBy::Proof, "{collapse:?}");
 }
+
+/// A disk hangs from a ceiling while its bond loses strength and nothing moves. The motion that follows
+/// once took its inertia from these displacements of zero, found the disk at rest in the air, and called
+/// its fall a collapse.
+#[test]
+fn a_disk_that_loses_its_bond_after_idle_increments_falls_to_the_floor() {
+    let scene = parse(
+        "(version: 1, title: \"hanging disk\", gravity: (0.0, -9.81),
+          materials: { \"rock\": (density: 2000.0,
+            contact: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5),
+            bond: (normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, cohesion: 4.0e4, tensile_strength: 4.0e4)) },
+          specimen: Particles([(position: (0.0, -0.5), radius: 0.5)]),
+          walls: [
+            (name: \"ceiling\", start: (3.0, 0.0), end: (-3.0, 0.0), contact: (normal_stiffness: 1.0e8)),
+            (name: \"floor\", start: (-3.0, -5.5), end: (3.0, -5.5),
+                contact: (normal_stiffness: 1.0e8, friction: 0.5)),
+          ],
+          stages: [Cement(name: \"cement\", length: 1.0e-6, walls: true),
+            Load(name: \"weight\", increments: 1),
+            Load(name: \"ramp\", increments: 20, scale: (strength: [(0.0, 1.0), (1.0, 0.2)]))])",
+    );
+    let mut simulation = Simulation::new(&scene, None);
+    assert_eq!(simulation.run(), Outcome::Completed);
+    let world = simulation.world_mut();
+    let place = world.query_filtered::<&BodyPosition, With<Particle>>().single(world).unwrap().0;
+    let weight = 2000.0 * std::f64::consts::PI * 0.25 * 9.81;
+    assert!((place.y - (-5.0 - weight / 1.0e8)).abs() < 1e-9, "{place}");
+}
