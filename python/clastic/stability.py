@@ -112,8 +112,8 @@ def stability(
     Raises
     ------
     ValueError
-        If a run failed or a slope slides under its own weight; if a block does not yield, or the blocks give no
-        line.
+        If a run failed or a slope slides under its own weight; if grains fall without end; if a block does not yield,
+        or the blocks give no line with a cohesion.
     """
     import pandas
 
@@ -129,6 +129,8 @@ def stability(
     (slope, slope_sets), (block, block_sets) = pairs
     shape = {"let.height": height, "let.angle": angle, "let.gravity": gravity, "output.plots": False}
     shape |= {"stages.ramp.increments": len(ramp.ends(0.0)) - 1, "stages.ramp.scale": ramp.table(0.0)}
+    # The ramp adds up the fractions of all increments.
+    shape |= {"stages.ramp.record.every": 1}
 
     def run(row: dict[str, Any], scene: Scene, sets: Settings) -> Run:
         return folders.run(row, scene, sets, ["peak_stress_pa"]) or Run(row["directory"])
@@ -161,7 +163,7 @@ def stability(
         sets = {**block_sets, "let.x": x, "let.y": y, "let.confining": part * stress, "output.plots": False}
         sets["specimen.path"] = _nested(grounds[seed])
         found = run({"test": "block", "seed": seed, "place": (x, y)}, block, sets)
-        if not _has_yielded(found):
+        if found.results["strength_pa"] is None:
             raise ValueError(
                 f"{found.path}: {found.status}, and the block has not yielded: give it more increments"
             )
@@ -193,14 +195,6 @@ def stability(
         mechanism=mechanism,
         runs=pandas.DataFrame(folders.rows.values()),
     )
-
-
-def _has_yielded(block: Run) -> bool:
-    """Whether a block is past its peak, or on a plateau: at half its modulus. It may end undecided there."""
-    peak, modulus = block.results["peak_stress_pa"], block.results["youngs_modulus_pa"]
-    if block.results["strength_pa"] is not None or peak is None:
-        return peak is not None
-    return peak - block.peak_stresses()[0] < 0.5 * (modulus or 0.0) * block.results["strain_at_peak"]
 
 
 def _unit_weight(run: Run, gravity: float) -> float:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import clastic
+from clastic._folders import Folders
 from clastic._ramp import Ramp
 
 #: Two disks under a ceiling, far above a floor.
@@ -61,6 +63,10 @@ SLOPE = {
         (60.0, 20.0, 10.39),
         (45.0, 20.0, 16.16),
         (60.0, 30.0, 16.04),
+        # Below the toe.
+        (45.0, 0.0, 5.53),
+        (30.0, 5.0, 9.13),
+        (15.0, 5.0, 14.38),
     ],
 )
 def test_stability_numbers_are_those_of_chen(angle: float, friction_angle: float, number: float) -> None:
@@ -83,6 +89,10 @@ def test_a_spiral_meets_crest_and_toe_at_the_friction_angle() -> None:
     assert np.degrees(np.arctan(growth)) == pytest.approx(20.0, abs=1e-6)
     with pytest.raises(ValueError, match="steeper than the friction angle"):
         clastic.log_spiral(30.0, 30.0)
+    # Chen finds 14.8 through the toe.
+    below = clastic.log_spiral(15.0, 5.0)
+    assert below.front > 0.3 and spiral.front == pytest.approx(0.0, abs=1e-6)
+    assert below.points(4.0, (1.3, 1.0))[-1] == pytest.approx((1.3 - 4.0 * below.front, 1.0))
 
 
 def test_factors_on_gravity_and_on_strength() -> None:
@@ -97,6 +107,9 @@ def test_factors_on_gravity_and_on_strength() -> None:
     factor, spiral = clastic.critical_factor("strength", 60.0, 30.0, 20e3, 100e3)
     assert np.tan(spiral.friction) == pytest.approx(np.tan(np.radians(30.0)) / factor)
     assert spiral.number * 20e3 / factor == pytest.approx(100e3, rel=1e-6)
+    for of in ("gravity", "strength"):
+        with pytest.raises(ValueError, match="a cohesion of -200 Pa"):
+            clastic.critical_factor(of, 60.0, 30.0, -200.0, 100e3)
 
 
 def test_a_slope_slides_near_the_bound_of_its_own_ground(tmp_path: Path) -> None:
@@ -109,9 +122,10 @@ def test_a_slope_slides_near_the_bound_of_its_own_ground(tmp_path: Path) -> None
         "seeds": [1],
     }
 
-    def stability(**block: float) -> clastic.Stability:
+    def stability(every: int = 1, **block: float) -> clastic.Stability:
+        of_slope = SCENES / "slope.ron", {**SLOPE, "stages.ramp.record.every": every}
         of_block = SCENES / "slope_block.ron", {"let.width": 1.2, **block}
-        return clastic.stability((SCENES / "slope.ron", SLOPE), of_block, **words, out=tmp_path)
+        return clastic.stability(of_slope, of_block, **words, out=tmp_path)
 
     found = stability()
     (slope,) = found.slides.itertuples()
@@ -132,8 +146,8 @@ def test_a_slope_slides_near_the_bound_of_its_own_ground(tmp_path: Path) -> None
     slid = np.hypot(*end.moved(start).T) >= 0.04
     assert end.positions[slid, 0].mean() < end.positions[~slid, 0].mean()
     clastic.figures.slide(found).figure.savefig(tmp_path / "slide.png")
-    # Nothing is run again.
-    again = stability()
+    # Nothing is run again, nor is the factor that of a history with every seventh row.
+    again = stability(every=7)
     assert again.factor == found.factor and again.runs["cached"].all()
     with pytest.raises(ValueError, match="has not yielded: give it more increments"):
         stability(**{"stages.load.increments": 3})
@@ -155,6 +169,29 @@ def test_a_grain_that_falls_is_no_slide(tmp_path: Path) -> None:
     ramp, fall, again = run.record["stages"][-3:]
     assert ramp["ended_by"] == "collapse" and "Rest" in fall["stop"] and "Above" in again["stop"]
     assert run.history["sliding"].iloc[-1] == 1.0
+
+
+def test_grains_that_fall_without_end_are_neither_slide_nor_rest(tmp_path: Path) -> None:
+    """The floor is below the 3^2/2 H that the first disk falls in the time for which it is followed."""
+    load = Ramp("gravity", 4.0, height=4.0, gravity=9.81)
+    deep = HANGING.replace("-10.5", "-100.0")
+    run = clastic.run(deep, {"stages.ramp.scale": load.table(0.0)}, tmp_path / "run", progress=False)
+    with pytest.raises(ValueError, match="slide_1 ended by .* add walls that stop loose grains"):
+        load.follow(run)
+
+
+def test_the_table_of_runs_has_the_order_of_the_work(tmp_path: Path, scene: Path) -> None:
+    """The first work ends last, and the third has the text of the first, which is its run."""
+    folders = Folders(tmp_path / "runs", 3)
+
+    def work(place: int) -> None:
+        time.sleep(0.3 * (place == 0))
+        folders.run(
+            {"place": place}, scene, {"stages.rest.increments": (2, 1, 2)[place], "output.plots": False}
+        )
+
+    folders.map(work, range(3))
+    assert [row["place"] for row in folders.rows.values()] == [0, 1] and folders.made == 2
 
 
 def test_mistakes_of_a_study_of_a_slope_have_a_remedy(tmp_path: Path) -> None:

@@ -117,20 +117,21 @@ pub fn crack_samples(cracks: &[Crack], style: &Style) -> Vec<Sample> {
     MODES.into_iter().filter_map(entry).collect()
 }
 
-/// Scale and values of the colours.
+/// Scale and values of the colours. Particles may have come or gone since the start.
 fn colouring(now: &Snapshot, start: &Snapshot, field: Field) -> (Scale, Vec<f64>) {
     let since = "since the start of the reference stage";
+    let before = |i: usize| start.ids.binary_search(&now.ids[i]).ok();
     if field == Field::Rotation {
-        let before = |i: usize| start.rotations.get(i).copied().unwrap_or(0.0);
-        let rotations: Vec<_> =
-            now.rotations.iter().enumerate().map(|(i, r)| (r - before(i)).abs()).collect();
+        let turned =
+            |(i, r): (usize, &f64)| (r - before(i).map_or(0.0, |k| start.rotations[k])).abs();
+        let rotations: Vec<_> = now.rotations.iter().enumerate().map(turned).collect();
         if rotations.iter().any(|r| *r > 1e-12) {
             let name = format!("magnitude of rotation {since}");
             return (Scale::of_magnitudes(&rotations, &name, "rad"), rotations);
         }
     }
-    let moved = now.positions.iter().zip(&start.positions).map(|(x, x0)| x.distance(*x0));
-    let moved: Vec<f64> = moved.collect();
+    let moved = |(i, x): (usize, &DVec2)| before(i).map_or(0.0, |k| x.distance(start.positions[k]));
+    let moved: Vec<_> = now.positions.iter().enumerate().map(moved).collect();
     let name = format!("magnitude of displacement {since}");
     (Scale::of_magnitudes(&moved, &name, "m"), moved)
 }
@@ -156,6 +157,23 @@ mod tests {
             plates: Vec::new(),
             cracks: (1..n).map(crack).collect(),
             membranes: Vec::new(),
+        }
+    }
+
+    /// Colours once went by place in the tables, so that what was removed coloured all that came after it.
+    #[test]
+    fn a_removed_particle_changes_no_other_colour() {
+        let start = grid(3, 2);
+        let mut now = start.clone();
+        now.rotations.iter_mut().for_each(|rotation| *rotation += 1e-3);
+        now.positions.iter_mut().for_each(|x| x.y += 1e-6);
+        now.ids.remove(1);
+        now.positions.remove(1);
+        now.rotations.remove(1);
+        for (field, exact) in [(Field::Rotation, 1e-3), (Field::Displacement, 1e-6)] {
+            let (_, values) = colouring(&now, &start, field);
+            assert_eq!(values.len(), 5);
+            assert!(values.iter().all(|v| (v - exact).abs() < 1e-12), "{values:?}");
         }
     }
 
