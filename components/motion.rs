@@ -23,7 +23,8 @@ pub struct Motion {
     pub length: f64,
     /// Weight W of the step, without dimension. A small weight is a long step.
     pub weight: f64,
-    /// Stiffness k_0 of a contact, N/m.
+    /// Stiffness k_0, N/m: the force scale over the displacement scale of the increment, at most the mean
+    /// stiffness of the elastic contacts.
     pub stiffness: f64,
     /// Relative masses by body: of the translations (1), and of the rotation (m^2).
     pub masses: Vec<[f64; 2]>,

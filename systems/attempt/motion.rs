@@ -45,7 +45,7 @@ fn units(world: &World, released: bool) -> (f64, f64, f64) {
     if !released || bonds.is_empty() {
         let program = world.resource::<ConeProgram>();
         let first_weight = world.resource::<MotionSettings>().first_weight;
-        return (1.0, contact_stiffness(program), first_weight);
+        return (1.0, shown_stiffness(program), first_weight);
     }
     let mean = |of: fn(&BondRow) -> f64| bonds.iter().map(of).sum::<f64>() / bonds.len() as f64;
     let elongation = mean(|bond| 2.0 * bond.law.normal_compliance * bond.law.tensile_strength);
@@ -53,17 +53,14 @@ fn units(world: &World, released: bool) -> (f64, f64, f64) {
     (length, mean(|bond| bond.law.normal_compliance.recip()), 1.0)
 }
 
-/// Stiffness of a contact, N/m: the mean of those that are elastic, or that which the forces and
-/// displacements of the increment show. After an idle increment the latter would be of any size.
-fn contact_stiffness(program: &ConeProgram) -> f64 {
+/// The stiffness that forces and displacements of the increment show, N/m, at most the mean of the
+/// elastic contacts: after an idle increment the displacements are round-off.
+fn shown_stiffness(program: &ConeProgram) -> f64 {
     let compliances = program.interactions.iter().map(|c| c.normal_compliance);
-    let (mut sum, mut number) = (0.0, 0.0);
-    for compliance in compliances.filter(|c| *c > 0.0) {
-        sum += compliance.recip();
-        number += 1.0;
-    }
-    let scales = program.scales;
-    if number > 0.0 { sum / number } else { scales.force / scales.displacement }
+    let elastic: Vec<f64> = compliances.filter(|c| *c > 0.0).map(f64::recip).collect();
+    let mean = elastic.iter().sum::<f64>() / elastic.len() as f64;
+    // Without elastic contacts the mean is no number, and the minimum is the other.
+    (program.scales.force / program.scales.displacement).min(mean)
 }
 
 /// Starts a motion from rest. `released`: bonds have broken at an equilibrium; otherwise no

@@ -76,12 +76,12 @@ pub struct InteriorSettings {
     pub progress: f64,
     /// Maximum number of Newton steps that decide limits, in each of two passes.
     ///
-    /// 4: of 32 increments of a specimen that breaks, 28 take up to three.
+    /// 4: with 2 solutions differ by 3e-7, with 8 by 8e-9 (decision 001).
     pub max_decisions: usize,
     /// Slack and multiplier that leave a limit undecided in the second pass, and what a step gives to
     /// both where both vanish, over the tolerance.
     ///
-    /// 1e-4: @EVIDENCE@
+    /// 1e-4: from 1e-5 to 1e-2 solutions differ by at most 5e-8, and iterations by 2 % (decision 001).
     pub decided: f64,
     /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
     /// minus the mean product.
