@@ -89,10 +89,6 @@ fn nothing_moves_before_tractions_are_released() {
             let released = dig(false, "");
             let held = dig(true, "");
             let in_time = dig(true, ", analysis: Dynamic(dt: 1.0e-4)");
-            println!(
-                "{law}, bonds {}: {released:.3e} {held:.3e} {in_time:.3e}",
-                !cement.is_empty()
-            );
             assert!(released > 1e-6, "{released}");
             assert!(held < 1e-6 * released && in_time < 1e-6 * released, "{held} {in_time}");
         }
@@ -395,7 +391,6 @@ fn a_tunnel_closes_as_kirsch_says() {
         let closure = of("release", name) - of("still", name);
         let kirsch = pressure * a * a / (2.0 * shear * r);
         let ring = ((1.0 - nu) / (1.0 + nu) * (r / b).powi(2) + 1.0) / (1.0 - (a / b).powi(2));
-        println!("{name}: {closure:.4e} m, {:.3} of the ring", closure / (kirsch * ring));
         assert_relative(closure, kirsch * ring, 0.1);
         assert!(of("still", name).abs() < 1e-3 * closure);
     }

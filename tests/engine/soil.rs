@@ -53,7 +53,6 @@ fn footings_carry_the_bearing_pressure_of_prandtl_and_reissner() {
     };
     let found = ["let.seed=101", "let.seed=102", "let.seed=103"].map(pressure);
     let ratio = found.iter().sum::<f64>() / 3.0 / bearing_pressure(22.4);
-    println!("{found:?} Pa, {ratio} of the law");
     assert!((0.7..1.3).contains(&ratio), "{found:?}");
 }
 
@@ -77,7 +76,6 @@ fn grains_leave_a_silo_at_a_constant_rate_and_none_is_lost() {
     let time = |left: f64| rows.iter().find(|(_, [inside, ..])| *inside <= left).unwrap().0.time;
     let rates = [60.0 / (time(210.0) - time(270.0)), 60.0 / (time(150.0) - time(210.0))];
     let beverloo = 9.81_f64.sqrt() * 0.056_f64.powf(1.5) * 0.78 / area;
-    println!("{rates:?}, Beverloo with C = 1 {beverloo}");
     assert!((rates[0] / rates[1] - 1.0).abs() < 0.25, "{rates:?}");
     let mean = 120.0 / (time(150.0) - time(270.0));
     assert!((0.6..1.0).contains(&(mean / beverloo)), "{mean}");
@@ -104,6 +102,5 @@ fn cement_that_forms_under_load_keeps_the_forces_and_the_strength() {
         let stress = rows.iter().filter_map(|(o, _)| o.axial_stress);
         peaks.push(stress.fold(0.0, f64::max));
     }
-    println!("peaks {peaks:?} Pa");
     assert!((peaks[0] / peaks[1] - 1.0).abs() < 0.1, "{peaks:?}");
 }

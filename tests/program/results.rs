@@ -160,7 +160,7 @@ fn a_run_with_capped_increments_says_so_loudly() {
     assert!(compared.contains("completed, 6 of 9 increments capped"), "{compared}");
 
     // With as many factorisations as some solves need, and others do not.
-    let (done, out) = capped(&["friction_law.factorisations=7"]);
+    let (done, out) = capped(&["friction_law.factorisations=8"]);
     let said = stdout(&done.code(0));
     let history = rows(out.path(), "history.csv");
     let count = |stage: &str| {
