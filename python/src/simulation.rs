@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clastic::components::contact::BodyTable;
 use clastic::components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic::frames::Frame;
-use clastic::run::Outcome;
 use clastic::run::minerals::specimen;
 use clastic::run::stages::Script;
+use clastic::run::{Outcome, end_stage};
 use clastic::saved;
 use glam::DVec2;
 use pyo3::prelude::*;
@@ -243,8 +243,7 @@ impl Simulation {
         self.worker.call(py, |model| {
             let world = model.world();
             if world.resource::<Script>().begun {
-                let mut progress = world.resource_mut::<ClasticProgress>();
-                progress.total = progress.done;
+                end_stage(world);
             }
         })
     }

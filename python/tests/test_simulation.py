@@ -280,3 +280,26 @@ def test_a_saved_state_is_a_specimen(scene: Path, tmp_path: Path) -> None:
     again = tmp_path / "again.ron"
     again.write_text(text[:start] + 'specimen: State(path: "state.npz"),\n' + text[end:])
     assert (clastic.Simulation(again).positions == sim.positions).all()
+
+
+def test_loads_stay_where_they_are_when_a_stage_is_ended() -> None:
+    """Ending a stage once brought a load of 50 N to its target of 100 N in one increment."""
+    sim = clastic.Simulation(
+        """(version: 1, title: "pressed disk",
+        materials: {"m": (density: 1000.0, contact: (normal_stiffness: 1.0e6))},
+        specimen: Particles([(position: (0.0, 0.01), radius: 0.01)]),
+        walls: [
+            (name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0), contact: (normal_stiffness: 1.0e6)),
+            (name: "top", start: (1.0, 0.02), end: (-1.0, 0.02), contact: (normal_stiffness: 1.0e6)),
+        ],
+        stages: [
+            Load(name: "press", increments: 10, walls: {"top": Force(100.0)}),
+            Load(name: "hold", increments: 2),
+        ],
+        measures: [(name: "floor_n", of: WallForce(wall: "floor", along: Normal))])"""
+    )
+    rows = [sim.step() for _ in range(5)]
+    sim.end_stage()
+    rows += sim.run()
+    assert [row["stage"] for row in rows] == ["press"] * 5 + ["hold"] * 2
+    assert [row["floor_n"] for row in rows] == pytest.approx([10.0, 20.0, 30.0, 40.0, 50.0, 50.0, 50.0], abs=1e-5)

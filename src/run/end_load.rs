@@ -8,6 +8,15 @@ use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
 
 use super::membranes;
 
+/// Ends the stage that is under way after the last increment: the next one begins with the next
+/// increment.
+pub fn end_stage(world: &mut World) {
+    end(world);
+    let mut progress = world.resource_mut::<ClasticProgress>();
+    progress.done = progress.total;
+    progress.relaxing = false;
+}
+
 /// Ends a loading stage. Loads keep the values that they have reached, which are not their targets
 /// where the stage ends early or on another course; lids stop. A second end changes nothing.
 pub fn end(world: &mut World) {

@@ -63,6 +63,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_systems::stepping::{self, ClasticHalted, IncrementDue};
 
+pub use end_load::end_stage;
 pub use plugin::ScenePlugin;
 pub use script::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
 pub use state::{StateError, WorldState};

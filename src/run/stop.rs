@@ -99,10 +99,7 @@ pub fn end_increment(world: &mut World) {
         (end.ended_by, end.stop, end.passed) = (ended_by, held, passed);
     }
     if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
-        end_load::end(world);
-        let mut progress = world.resource_mut::<ClasticProgress>();
-        progress.done = progress.total;
-        progress.relaxing = false;
+        end_load::end_stage(world);
     }
 }
 
