@@ -9,7 +9,8 @@ use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition};
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::membrane::{Course, Membrane};
-use clastic_components::wall::{Wall, WallControl};
+use clastic_components::wall::{LoadedLength, Wall, WallControl};
+use clastic_systems::control_walls::loaded_length;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::membranes::{find_shape, renew_shapes};
 
@@ -79,21 +80,20 @@ pub fn pressures_before(world: &mut World, stage: &scene::Load) -> BTreeMap<Stri
 /// Mean normal stress of walls, Pa: the stress that they impose, or their reaction over the distance of
 /// the two walls `between` which the membrane lies, or over the drawn length. 0 without walls.
 fn stress_of(world: &mut World, names: &[String], between: Option<&(String, String)>) -> f64 {
-    let thickness = world.resource::<ClasticAnalysis>().thickness;
     let walls: Vec<Entity> = names.iter().flat_map(|name| find_walls(world, name)).collect();
-    let distance = between.and_then(|(a, b)| {
-        let (first, second) = (find_wall(world, a)?, find_wall(world, b)?);
-        let apart = world.get::<BodyPosition>(second)?.0 - world.get::<BodyPosition>(first)?.0;
-        Some(apart.dot(world.get::<Wall>(first)?.inward()))
-    });
+    let pair = between.and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
+    let length = pair.map_or(LoadedLength::Segment, |(a, b)| LoadedLength::Between(a, b));
+    let mut geometry = world.query::<(&Wall, &BodyPosition)>();
+    let (world, geometry) = (&*world, geometry.query(world));
+    let thickness = world.resource::<ClasticAnalysis>().thickness;
     let stress = |wall: &Entity| {
         if let Some(WallControl::Stress { to, .. }) = world.get::<WallControl>(*wall) {
             return *to;
         }
         match (world.get::<Wall>(*wall), world.get::<BodyExternalForce>(*wall)) {
-            (Some(wall), Some(force)) => {
-                let force = DVec2::new(force.0[0], force.0[1]).dot(wall.inward());
-                force / (distance.unwrap_or(2.0 * wall.half_length) * thickness)
+            (Some(of), Some(force)) => {
+                let force = DVec2::new(force.0[0], force.0[1]).dot(of.inward());
+                force / (loaded_length(*wall, length, &geometry) * thickness)
             }
             _ => 0.0,
         }

@@ -178,27 +178,29 @@ fn lattice() -> String {
     (0..64).map(place).collect::<Vec<_>>().join(", ")
 }
 
-#[test]
-fn stresses_of_a_cell_follow_the_course() {
-    let height = 0.8 * 3.0_f64.sqrt();
+/// The mean stress of the lattice over an area follows loads in kPa.
+fn mean_stress_follows(head: &str, area: &str, load: impl Fn(f64) -> String) {
     let head = format!(
-        "specimen: Particles([{}]), cell: (size: (1.6, {height:?})),
-        measures: [(name: \"mean\", of: Stress(Average(component: Mean, area: Cell)))],",
+        "specimen: Particles([{}]), {head}
+        measures: [(name: \"mean\", of: Stress(Average(component: Mean, area: {area})))],",
         lattice()
     );
-    let load = loaded(|f| format!("cell: (xx: Stress({0:?}), yy: Stress({0:?}))", 1.0e3 * f));
-    follows_its_course(&head, load, |run| reading(run.world(), "mean").unwrap() / 1.0e3);
+    follows_its_course(&head, loaded(load), |run| reading(run.world(), "mean").unwrap() / 1.0e3);
+}
+
+#[test]
+fn stresses_of_a_cell_follow_the_course() {
+    let cell = format!("cell: (size: (1.6, {:?})),", 0.8 * 3.0_f64.sqrt());
+    mean_stress_follows(&cell, "Cell", |f| {
+        format!("cell: (xx: Stress({0:?}), yy: Stress({0:?}))", 1.0e3 * f)
+    });
 }
 
 #[test]
 fn pressures_of_membranes_follow_the_course() {
-    let head = format!(
-        "specimen: Particles([{}]),
-        measures: [(name: \"mean\", of: Stress(Average(component: Mean, area: Membrane(\"skin\"))))],",
-        lattice()
-    );
-    let load = loaded(|f| format!("membranes: {{ \"skin\": (pressure: {:?}) }}", 1.0e3 * f));
-    follows_its_course(&head, load, |run| reading(run.world(), "mean").unwrap() / 1.0e3);
+    mean_stress_follows("", "Membrane(\"skin\")", |f| {
+        format!("membranes: {{ \"skin\": (pressure: {:?}) }}", 1.0e3 * f)
+    });
 }
 
 /// In a dynamic stage s is the time. A free disk of mass m under F f(t) has the speed of the sum of F
