@@ -98,6 +98,12 @@ scenes! {
         ("poissons_ratio", 0.15424861873292534),
         ("porosity", 0.1729730637410576),
     ];
+    // Thrust of the ring against convergence-confinement is in tests/engine/excavation.rs.
+    tunnel_lining: "tunnel_lining", COMPLETES, &[
+        ("youngs_modulus_pa", 4561776895.493112),
+        ("poissons_ratio", 0.16473189620758447),
+        ("bonds_created", 4466.0),
+    ];
     turning_gate: "turning_gate", COMPLETES, &[
         ("peak_stress_pa", 240719.79561974172),
         ("strain_at_peak", 0.052891664836127054),

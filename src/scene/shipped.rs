@@ -70,6 +70,7 @@ static FILES: &[(&str, &[u8])] = &files! {
     "tension.ron"
     "three_point_bending.ron"
     "tunnel.ron"
+    "tunnel_lining.ron"
     "turning_gate.ron"
     "two_layers.ron"
     "uniaxial.ron"

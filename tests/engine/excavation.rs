@@ -359,13 +359,9 @@ fn a_collapse_says_what_the_mechanism_moves_and_what_the_motion_moves() {
     assert!(records.last().unwrap().broken.iter().sum::<usize>() >= 2);
 }
 
-/// The wall of a hole in an infinite elastic plane under the pressure p closes by `p a / 2G` as p is released
-/// (Kirsch); in a ring up to the radius b under a constant pressure (Lamé) by a little more. E and nu are those
-/// of the same ground, and a is the radius at which the tractions are those of p.
-#[test]
-fn a_tunnel_closes_as_kirsch_says() {
-    let scene = load("tunnel");
-    let mut simulation = Simulation::new(&scene, None);
+/// Measures at the end of each stage, and the strains as `yy` and `xx`.
+fn read_by_stage(scene: &Scene) -> BTreeMap<String, BTreeMap<String, f64>> {
+    let mut simulation = Simulation::new(scene, None);
     let mut read = BTreeMap::new();
     while let Some(record) = next(&mut simulation) {
         let named = simulation.world().resource::<Readings>().0.clone();
@@ -377,6 +373,39 @@ fn a_tunnel_closes_as_kirsch_says() {
         read.insert(record.stage.clone(), of);
     }
     assert_eq!(simulation.run(), Outcome::Completed);
+    read
+}
+
+/// A lining that comes at half of the support carries the thrust at which the reaction curve of the
+/// ground, a straight line, meets the line of the ring: the comment of the scene.
+#[test]
+fn a_lining_carries_the_thrust_at_which_the_curves_meet() {
+    let read = read_by_stage(&load("tunnel_lining"));
+    let of = |stage: &str, name: &str| read[stage][name];
+    let (stiffness, ring) = (3.0e9, 1.54);
+    let r = 0.999 * ring * (PI / 24.0).sin();
+    let thrust = ["right", "top", "left", "bottom"]
+        .map(|side| 2.0 * r * of("rest", &format!("thrust_{side}_pa")))
+        .iter()
+        .sum::<f64>()
+        / 4.0;
+    let before = of("part", "closure_m");
+    let load = 2.0 * of("still", "support_pa");
+    let line = 2.0 * stiffness * r / ring;
+    let meet = line * before / (1.0 + 2.0 * line * before / load);
+    assert_relative(thrust, meet, 0.15);
+    let left = load * (1.0 - of("rest", "closure_m") / (2.0 * before));
+    assert_relative(thrust, left, 0.15);
+    // Disks that come into the hole and bonds across gaps move nothing.
+    assert_relative(of("24", "closure_m"), before, 1e-6);
+}
+
+/// The wall of a hole in an infinite elastic plane under the pressure p closes by `p a / 2G` as p is released
+/// (Kirsch); in a ring up to the radius b under a constant pressure (Lamé) by a little more. E and nu are those
+/// of the same ground, and a is the radius at which the tractions are those of p.
+#[test]
+fn a_tunnel_closes_as_kirsch_says() {
+    let read = read_by_stage(&load("tunnel"));
     let of = |stage: &str, name: &str| read[stage][name];
     let change = |name: &str| of("load", name) - of("stand", name);
     let (yy, xx) = (of("load", "yy"), of("load", "xx"));
