@@ -163,7 +163,7 @@ def main():
     options.out.mkdir(parents=True, exist_ok=True)
     seeds, only = [int(s) for s in options.seeds.split(",")], options.only.split(",")
     # Without `sand` those of the seeds 701 to 703.
-    angles = sand(options.out.resolve(), seeds) if "sand" in only else (27.1, 23.7)
+    angles = sand(options.out.resolve(), seeds) if "sand" in only else (27.1, 23.6)
     for name, study in (("wall", wall), ("footing", footing)):
         if name in only:
             study(options.out.resolve(), seeds, angles)
