@@ -290,10 +290,9 @@ mod tests {
             stage: stage.to_owned(),
             increments,
             capped,
-            passed: None,
-            jammed_at: None,
             ended_by: Some(stop.as_ref().map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
             stop,
+            ..StageEnd::default()
         });
         let script = Script { ends: ends.collect(), ..Script::new(&scene) };
         summary(&Summary {
@@ -343,11 +342,8 @@ mod tests {
         let end = |stage: &str, ended_by| StageEnd {
             stage: stage.to_owned(),
             increments: 3,
-            capped: 0,
             ended_by: Some(ended_by),
-            stop: None,
-            passed: None,
-            jammed_at: None,
+            ..StageEnd::default()
         };
         let said = |last| {
             let collapse = Collapse {
@@ -376,9 +372,7 @@ mod tests {
             increments: 3,
             capped: 1,
             ended_by: Some(EndedBy::AllIncrements),
-            stop: None,
-            passed: None,
-            jammed_at: None,
+            ..StageEnd::default()
         };
         let lines = warnings(&Script { ends: vec![end], ..Script::new(&scene) });
         assert_eq!(lines.len(), 2);
@@ -394,11 +388,10 @@ mod tests {
         let end = |ended_by, passed| StageEnd {
             stage: "confine".to_owned(),
             increments: 1,
-            capped: 0,
             passed,
-            jammed_at: None,
             ended_by: Some(ended_by),
             stop: Some(Stop::Until("q".to_owned(), 3.0e5)),
+            ..StageEnd::default()
         };
         let said = |end| warnings(&Script { ends: vec![end], ..Script::new(&scene) });
         let missed = end(EndedBy::AllIncrements, None);
