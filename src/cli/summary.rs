@@ -170,8 +170,7 @@ fn after_collapse(script: &Script) -> Option<String> {
     let after = script.ends.iter().skip_while(|end| end.stage != *collapsed).skip(1);
     let solved: Vec<_> = after
         .filter(|end| {
-            end.increments > 0
-                && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
+            end.rows > 0 && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
         })
         .map(|end| label(&end.stage).to_string())
         .collect();
@@ -289,6 +288,7 @@ mod tests {
         let ends = ends.map(|((stage, stop), (increments, capped))| StageEnd {
             stage: stage.to_owned(),
             increments,
+            rows: increments,
             capped,
             ended_by: Some(stop.as_ref().map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
             stop,
@@ -341,7 +341,7 @@ mod tests {
         let scene = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
         let end = |stage: &str, ended_by| StageEnd {
             stage: stage.to_owned(),
-            increments: 3,
+            rows: 3,
             ended_by: Some(ended_by),
             ..StageEnd::default()
         };
@@ -369,7 +369,7 @@ mod tests {
         let scene = from_str(&scene, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
         let end = StageEnd {
             stage: "confine".to_owned(),
-            increments: 3,
+            rows: 3,
             capped: 1,
             ended_by: Some(EndedBy::AllIncrements),
             ..StageEnd::default()

@@ -57,9 +57,11 @@ pub struct Collapse {
 pub struct StageEnd {
     /// Name of the stage.
     pub stage: String,
-    /// Number of increments. Fractions of whole increments count one each.
+    /// Number of increments of the stage that were made, the last perhaps in part.
     pub increments: u64,
-    /// Number of increments with the status `capped`.
+    /// Number of committed and failed parts of increments: what the run counts as increments.
+    pub rows: u64,
+    /// Number of these with the status `capped`.
     pub capped: u64,
     /// Number of particles that are [set aside](clastic_components::particle::SetAside) after its last
     /// increment.
@@ -124,14 +126,14 @@ impl StageEnd {
     }
 
     fn capped_warning(&self) -> Option<String> {
-        let Self { increments, capped, .. } = self;
+        let Self { rows, capped, .. } = self;
         let stage = label(&self.stage);
         match *capped {
             0 => None,
-            _ if capped == increments => {
-                Some(format!("all {increments} increments of stage {stage} are capped"))
+            _ if capped == rows => {
+                Some(format!("all {rows} increments of stage {stage} are capped"))
             }
-            _ => Some(format!("{capped} of {increments} increments of stage {stage} are capped")),
+            _ => Some(format!("{capped} of {rows} increments of stage {stage} are capped")),
         }
     }
 }

@@ -94,9 +94,11 @@ pub fn end_increment(world: &mut World) {
             Some(EndedBy::Undecided)
         }
     };
+    let done = world.resource::<ClasticProgress>().done;
     let set_aside = world.query_filtered::<(), With<SetAside>>().iter(world).count() as u64;
     if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
-        end.increments += 1;
+        end.rows += 1;
+        end.increments = done.ceil() as u64;
         end.set_aside = set_aside;
         end.capped += u64::from(status == IncrementStatus::Capped);
         (end.ended_by, end.stop, end.passed) = (ended_by, held, passed);
