@@ -140,6 +140,8 @@ pub struct Attempt {
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,
+    /// Rows of the particles that the motion has brought nowhere to rest, where it ends without them.
+    pub left: Vec<usize>,
     /// The share of the specimen that a motion without rest has moved, in words.
     pub moved: Option<String>,
     /// Status under which the increment ended.

@@ -51,6 +51,8 @@ pub struct BodyTable {
     pub loads: Vec<[Ramp; 3]>,
     /// Particles that swing about their taut bonds.
     pub swinging: Vec<bool>,
+    /// Particles that are [set aside](crate::particle::SetAside).
+    pub set_aside: Vec<bool>,
     /// The walls of the world, in the order of identities.
     pub walls: Vec<WallRow>,
     /// Number of rigid groups; their rows follow those of the walls.
@@ -224,6 +226,23 @@ impl BodyTable {
             }
             !breaks
         });
+    }
+
+    /// Whether a particle has a load of its own.
+    #[must_use]
+    pub fn has_load(&self, i: usize) -> bool {
+        self.loads[i].iter().any(|load| load.from != 0.0 || load.to != 0.0)
+    }
+
+    /// Weight of a particle in a static increment under the acceleration `gravity` (m/s^2), N: none of
+    /// one that is set aside, unless it has become part of a rigid group.
+    #[must_use]
+    pub fn static_weight(&self, i: usize, gravity: DVec2) -> DVec2 {
+        if self.set_aside[i] && self.group(i).is_none() {
+            DVec2::ZERO
+        } else {
+            self.masses[i] * gravity
+        }
     }
 
     /// Load of a rigid group in the trial at the given part of the increment, N and N m: its own,

@@ -57,6 +57,13 @@ impl Particle {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct MaterialIndex(pub u32);
 
+/// Marks a particle that static stages have set aside: it fell or rolled without finding rest, and
+/// carried nothing but itself. Its weight does not act in static increments until a force acts on it
+/// again. A dynamic increment takes the mark away.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
+pub struct SetAside;
+
 /// Marks a particle that a rejected solution moved far: it is part of a mechanism. The geometric
 /// stiffness of its taut bonds stays in the program in later increments.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]

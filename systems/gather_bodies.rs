@@ -15,7 +15,7 @@ use clastic_components::contact::{BodyTable, BondRow, WallRow};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::link::Link;
 use clastic_components::material::ContactLaw;
-use clastic_components::particle::{MaterialIndex, Particle, Swinging};
+use clastic_components::particle::{MaterialIndex, Particle, SetAside, Swinging};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
@@ -74,6 +74,7 @@ fn register_bodies(app: &mut App) {
         .register_component::<BodyId, BodyDrives>("drives")
         .register_component::<BodyId, AppliedLoad>("applied_load")
         .register_component::<BodyId, Swinging>("swinging")
+        .register_component::<BodyId, SetAside>("set_aside")
         .register_component::<BodyId, BodyExternalForce>("external_force")
         .register_component::<BodyId, RigidGroup>("rigid_group")
         .register_component::<BodyId, ContactForce>("contact_force")
@@ -114,6 +115,7 @@ type ParticleQuery<'w, 's> = Query<
         &'static BodyDrives,
         &'static AppliedLoad,
         Has<Swinging>,
+        Has<SetAside>,
     ),
 >;
 
@@ -194,6 +196,7 @@ fn number_rows(
     bodies.drives.resize(n, Default::default());
     bodies.loads.resize(n, Default::default());
     bodies.swinging.resize(n, false);
+    bodies.set_aside.resize(n, false);
 }
 
 fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
@@ -210,6 +213,7 @@ fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
         drives,
         load,
         swinging,
+        set_aside,
     ) in particles
     {
         let Some(i) = bodies.row(*id) else { continue };
@@ -226,6 +230,7 @@ fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
         bodies.drives[i] = drives.0;
         bodies.loads[i] = load.ramps();
         bodies.swinging[i] = swinging;
+        bodies.set_aside[i] = set_aside;
     }
     let n = bodies.particles;
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };

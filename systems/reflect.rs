@@ -92,6 +92,7 @@ impl Plugin for ReflectPlugin {
             observation::RuptureCount,
             observation::Timings,
             particle::MaterialIndex,
+            particle::SetAside,
             particle::Swinging,
             step_control::StepControl,
             rigid_group::RigidGroup,

@@ -9,7 +9,11 @@ from .program import WORDS
 
 
 def main() -> None:
-    """Runs the program with the arguments of this process."""
+    """Runs the program with the arguments of this process. ``stability`` is a command of the package."""
+    if sys.argv[1:2] == ["stability"]:
+        from . import _stability_command
+
+        sys.exit(_stability_command.main(sys.argv[2:]))
     sys.exit(_engine.call(WORDS, ["clastic", *sys.argv[1:]]))
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import time
 from pathlib import Path
 
@@ -11,6 +12,7 @@ import pytest
 import clastic
 from clastic._folders import Folders
 from clastic._ramp import Ramp
+from conftest import program
 
 #: Two disks under a ceiling, far above a floor.
 HANGING = """(
@@ -146,6 +148,21 @@ def test_a_slope_slides_near_the_bound_of_its_own_ground(tmp_path: Path) -> None
     slid = np.hypot(*end.moved(start).T) >= 0.04
     assert end.positions[slid, 0].mean() < end.positions[~slid, 0].mean()
     clastic.figures.slide(found).figure.savefig(tmp_path / "slide.png")
+    # The command finds the same with the runs that are there, and writes it down.
+    words = ["stability", str(SCENES / "slope.ron"), "--block", str(SCENES / "slope_block.ron"), "--height", "2.0"]
+    words += ["--cuts", "0.75,0.6", "--places", "0.1,0.1", "1.4,0.1", "--most", "20", "--seeds", "1", "--out", str(tmp_path)]
+    for path, value in {**SLOPE, "stages.ramp.record.every": 1}.items():
+        words += ["--set", f"{path}={value}"]
+    said = program(*words, "--set-block", "let.width=1.2").stdout
+    assert f"factor on gravity: {found.factor:.2f} (slopes: 1); bound {found.bound:.2f}" in said
+    (row,) = csv.DictReader((tmp_path / "slides.csv").open())
+    assert (float(row["factor"]), float(row["toe_x_m"])) == (slope.factor, 0.75)
+    assert row["directory"] == Path(slope.directory).name
+    assert len(list(tmp_path.glob("*/run.json"))) == len(found.runs)
+    (row,) = csv.DictReader((tmp_path / "summary.csv").open())
+    assert float(row["bound"]) == found.bound and float(row["height"]) == 2.0 and row["of"] == "gravity"
+    assert len(list(csv.DictReader((tmp_path / "blocks.csv").open()))) == 2
+    assert (tmp_path / "slide.png").read_bytes().startswith(b"\x89PNG")
     # Nothing is run again, nor is the factor that of a history with every seventh row.
     again = stability(every=7)
     assert again.factor == found.factor and again.runs["cached"].all()
@@ -199,3 +216,19 @@ def test_mistakes_of_a_study_of_a_slope_have_a_remedy(tmp_path: Path) -> None:
         clastic.stability(of="cohesion", out=tmp_path)
     with pytest.raises(ValueError, match="most is 1.0"):
         clastic.stability(most=1.0, out=tmp_path)
+
+
+def test_the_command_says_what_is_wrong_with_its_arguments(tmp_path: Path, scene: Path) -> None:
+    assert "--on {gravity,strength}" in program("stability", "--help").stdout
+    out = ("--out", str(tmp_path))
+    for words, code, said in (
+        (("slope", "--on", "cohesion"), 2, "invalid choice: 'cohesion'"),
+        (("slope", "--cuts", "1.3"), 2, "write x and y in m, as in 1.3,1.0"),
+        (("slope", "--set", "let.seed"), 2, "write PATH=VALUE"),
+        (("slope", "--jobs", "0"), 2, "write a whole number from 1"),
+        (("nowhere", *out), 1, "no scene `nowhere`"),
+        ((str(scene), *out), 3, "`let` has no number `height`; give --height"),
+        (("slope", "--most", "1", *out), 3, "give a factor above 1.03"),
+        (("slope", "--set", "let.hight=3", *out), 3, "hight"),
+    ):
+        assert said in program("stability", *words, code=code).stderr

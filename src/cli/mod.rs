@@ -79,13 +79,20 @@ enum Command {
     List,
     /// Print a commented scene to start from
     New {
-        /// The rig; without it the names of all rigs
-        rig: Option<String>,
+        /// A rig, or a scene that clastic ships; without it the names of the rigs
+        name: Option<String>,
     },
     /// Make the runs of a study, several at once, and write one table and one figure
     Sweep(SweepArgs),
     /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
     Envelope(EnvelopeArgs),
+    /// Find the factor at which slopes slide: a command of the package for Python (docs/python.md)
+    #[command(disable_help_flag = true)]
+    Stability {
+        /// Its arguments
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+        arguments: Vec<OsString>,
+    },
     /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
     Export(export::ExportArgs),
     /// Write a page for a browser: curves, animation and key results of a run, or curves and a
@@ -270,6 +277,10 @@ struct OutputArgs {
     quiet: bool,
 }
 
+/// Where the command `stability` is.
+const OF_PYTHON: &str = "`clastic stability` is a command of the package for Python: `pip install './python[all]'`, and \
+                         then `clastic stability --help` of that environment; docs/python.md has the rest";
+
 /// Runs the `clastic` program with further plugins; `()` for none. The arguments are those of the
 /// process.
 pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
@@ -307,9 +318,12 @@ fn execute<M>(command: Command, words: &[OsString], plugins: impl Plugins<M> + S
         }
         Command::Check(args) => check::check(&args, &program()),
         Command::List => list::list(),
-        Command::New { rig } => new::new(rig.as_deref()),
+        Command::New { name } => new::new(name.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, words, &program()),
         Command::Envelope(args) => envelope::envelope(&args, words, &program()),
+        Command::Stability { .. } => {
+            Err(exit::Failure { exit: Exit::Usage, message: OF_PYTHON.to_owned() })
+        }
         Command::Export(args) => export::export(&args),
         #[cfg(feature = "report")]
         Command::Report { runs, out } => report::report(&runs, out),

@@ -1,8 +1,11 @@
 //! `clastic new`: commented scenes to start from.
 
-use crate::scene::suggest;
+use std::path::Path;
 
-use super::exit::{Exit, Failure, say};
+use crate::scene::format::Specimen;
+use crate::scene::{load, shipped, suggest};
+
+use super::exit::{Exit, Failure, complain, say};
 
 /// Names and texts of the rigs, with what each is for.
 const RIGS: [(&str, &str, &str); 5] = [
@@ -13,20 +16,34 @@ const RIGS: [(&str, &str, &str); 5] = [
     ("uniaxial", "rock between two platens", include_str!("../../rigs/uniaxial.ron")),
 ];
 
-/// Prints a rig, or the names of all.
-pub fn new(rig: Option<&str>) -> Result<Exit, Failure> {
-    let Some(rig) = rig else {
+/// Prints a rig or a shipped scene, or the names of all rigs.
+pub fn new(name: Option<&str>) -> Result<Exit, Failure> {
+    let Some(name) = name else {
         say("Rigs to start from; `clastic new RIG > my.ron` writes one:")?;
         for (name, what, _) in RIGS {
             say(format_args!("  {name:15}  {what}"))?;
         }
+        say("and the scenes of `clastic list` that clastic ships, `clastic new footing > my.ron`")?;
         return Ok(Exit::Ok);
     };
-    let Some((_, _, text)) = RIGS.iter().find(|(name, _, _)| *name == rig) else {
-        let names = RIGS.map(|(name, _, _)| name);
-        let message = format!("no rig `{rig}`; {}", suggest::help(rig, &names, "rigs"));
+    if let Some((_, _, text)) = RIGS.iter().find(|(rig, _, _)| *rig == name) {
+        say(text.trim_end())?;
+        return Ok(Exit::Ok);
+    }
+    let Some(path) = shipped::path(name) else {
+        let names: Vec<_> = RIGS.iter().map(|(rig, ..)| *rig).chain(shipped::names()).collect();
+        let help = suggest::help(name, &names, "rigs and scenes");
+        let message = format!("no rig or shipped scene `{name}`; {help}");
         return Err(Failure { exit: Exit::Usage, message });
     };
-    say(text.trim_end())?;
+    let loaded = load(&path, &[])?;
+    say(loaded.text.trim_end())?;
+    if let Specimen::File { path, .. } | Specimen::State { path, .. } = &loaded.scene.specimen {
+        let within = Path::new("scenes").join(path);
+        complain(format_args!(
+            "note: it reads `{path}`, which is part of clastic ({} in its sources): put a copy beside the scene",
+            within.display()
+        ));
+    }
     Ok(Exit::Ok)
 }

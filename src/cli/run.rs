@@ -106,7 +106,7 @@ pub fn to_the_end(
     }
     let script = simulation.world().resource::<Script>();
     for (stage, n) in run.dump_in_stages() {
-        let made = script.ends.iter().find(|end| end.stage == *stage).map_or(0, |e| e.increments);
+        let made = script.ends.iter().find(|end| end.stage == *stage).map_or(0, |e| e.rows);
         if *n > made {
             complain(format_args!(
                 "--dump-program {stage}:{n}: the stage ended with its increment {made}"

@@ -170,8 +170,7 @@ fn after_collapse(script: &Script) -> Option<String> {
     let after = script.ends.iter().skip_while(|end| end.stage != *collapsed).skip(1);
     let solved: Vec<_> = after
         .filter(|end| {
-            end.increments > 0
-                && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
+            end.rows > 0 && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
         })
         .map(|end| label(&end.stage).to_string())
         .collect();
@@ -289,11 +288,11 @@ mod tests {
         let ends = ends.map(|((stage, stop), (increments, capped))| StageEnd {
             stage: stage.to_owned(),
             increments,
+            rows: increments,
             capped,
-            passed: None,
-            jammed_at: None,
             ended_by: Some(stop.as_ref().map_or(EndedBy::AllIncrements, |_| EndedBy::Stop)),
             stop,
+            ..StageEnd::default()
         });
         let script = Script { ends: ends.collect(), ..Script::new(&scene) };
         summary(&Summary {
@@ -342,12 +341,9 @@ mod tests {
         let scene = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
         let end = |stage: &str, ended_by| StageEnd {
             stage: stage.to_owned(),
-            increments: 3,
-            capped: 0,
+            rows: 3,
             ended_by: Some(ended_by),
-            stop: None,
-            passed: None,
-            jammed_at: None,
+            ..StageEnd::default()
         };
         let said = |last| {
             let collapse = Collapse {
@@ -373,12 +369,10 @@ mod tests {
         let scene = from_str(&scene, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
         let end = StageEnd {
             stage: "confine".to_owned(),
-            increments: 3,
+            rows: 3,
             capped: 1,
             ended_by: Some(EndedBy::AllIncrements),
-            stop: None,
-            passed: None,
-            jammed_at: None,
+            ..StageEnd::default()
         };
         let lines = warnings(&Script { ends: vec![end], ..Script::new(&scene) });
         assert_eq!(lines.len(), 2);
@@ -394,11 +388,10 @@ mod tests {
         let end = |ended_by, passed| StageEnd {
             stage: "confine".to_owned(),
             increments: 1,
-            capped: 0,
             passed,
-            jammed_at: None,
             ended_by: Some(ended_by),
             stop: Some(Stop::Until("q".to_owned(), 3.0e5)),
+            ..StageEnd::default()
         };
         let said = |end| warnings(&Script { ends: vec![end], ..Script::new(&scene) });
         let missed = end(EndedBy::AllIncrements, None);

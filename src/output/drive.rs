@@ -118,12 +118,14 @@ pub struct PeakForce {
 }
 
 impl PeakForce {
-    /// The peak of a history; `None` if nothing drives the test, or no force resists.
+    /// The peak of a history; `None` if nothing drives the test, or if no force above `least` resists
+    /// (N, and N m of a probe that turns).
     #[must_use]
-    pub fn of(history: &History) -> Option<Self> {
+    pub fn of(history: &History, least: [f64; 2]) -> Option<Self> {
         let drive = Drive::first(history)?;
-        let TestPoint { increment, motion, force } = drive.peak()?;
         let turns = drive.turns();
+        let peak = drive.peak().filter(|peak| peak.force > least[usize::from(turns)])?;
+        let TestPoint { increment, motion, force } = peak;
         let [straight, turned] =
             [!turns, turns].map(|is| (Some(force).filter(|_| is), Some(motion).filter(|_| is)));
         Some(Self {
@@ -186,6 +188,17 @@ mod tests {
     fn a_test_without_work_has_no_drive() -> std::io::Result<()> {
         let rows = "increment,stage,a.x_m,a.y_m,a.force_x_n,a.force_y_n\n1,fall,0,-1,0,0\n";
         assert_eq!(Drive::first(&history(rows)?), None);
+        Ok(())
+    }
+
+    /// A wall that pushed loose grains had "a peak force of 9.9e-14 N" beside contact forces of 1 N.
+    #[test]
+    fn round_off_is_no_peak() -> std::io::Result<()> {
+        let rows = "increment,stage,a.x_m,a.y_m,a.force_x_n,a.force_y_n\n\
+                    1,push,0,-1,0,-9.9e-14\n2,push,0,-2,0,-1e-14\n";
+        let history = history(rows)?;
+        let peak = |least| PeakForce::of(&history, [least, 0.0]).and_then(|peak| peak.force_n);
+        assert_eq!((peak(0.0), peak(1e-9)), (Some(9.9e-14), None));
         Ok(())
     }
 }

@@ -19,7 +19,7 @@ pub(super) fn write_if_asked(
     (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
-    let in_stage = script.ends.last().map_or(0, |end| end.increments);
+    let in_stage = script.ends.last().map_or(0, |end| end.rows);
     if !run.is_dumped(&observation, in_stage) {
         return Ok(());
     }

@@ -2,6 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::contact::BodyTable;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 
@@ -38,6 +39,9 @@ impl Ending {
         }
     }
 }
+
+/// Force, over the largest contact force, up to which it is round-off: as that of an open contact.
+const ROUND_OFF: f64 = 1e-9;
 
 /// Ends the output of a run, and returns its key results. The tables stay open until
 /// [`RunDirectory`] is removed from the world.
@@ -116,7 +120,10 @@ fn write_record(
     if results.peak_stress_pa.is_none() && !run.probes.is_empty() {
         let record = serde_json::to_value(&run.record).map_err(OutputError::at(&path))?;
         let history = plots::history::History::of_record(run.directory(), &record)?;
-        run.record.peak_force = PeakForce::of(&history);
+        // Below, a force is round-off of those of the specimen.
+        let least = ROUND_OFF * world.resource::<Found>().largest_force;
+        let radius = world.resource::<BodyTable>().mean_radius;
+        run.record.peak_force = PeakForce::of(&history, [least, least * radius]);
     }
     run.record.write(&path)
 }

@@ -3,7 +3,11 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use clastic_components::contact_history::ContactHistory;
+use clastic_components::increment::ClasticProgress;
+
 use crate::run::key_results::{MechanismRecord, Results};
+use crate::run::stages::Script;
 
 /// A packing that was not jammed: it settled in the first increment after its compaction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,6 +33,21 @@ pub struct Found {
     avalanches: usize,
     /// Number of bonds broken in the largest one.
     largest_avalanche: usize,
+    /// Largest normal force of a contact from the reference stage on, N.
+    pub largest_force: f64,
+}
+
+/// Follows the largest force of the test. Forces of a preparation may have no meaning.
+pub(super) fn see_forces(
+    contacts: Res<ContactHistory>,
+    progress: Res<ClasticProgress>,
+    script: Res<Script>,
+    mut found: ResMut<Found>,
+) {
+    if progress.stage >= script.reference_stage() {
+        let forces = contacts.0.iter().map(|contact| contact.p.abs());
+        found.largest_force = forces.fold(found.largest_force, f64::max);
+    }
 }
 
 impl Found {

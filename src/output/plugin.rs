@@ -13,7 +13,8 @@ use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, is_last_increment, keep_last, save};
 use super::snapshot::Moments;
 use super::{
-    OutputError, dump, events, first_mechanism, frames, history, peak, states, timings, wanted,
+    OutputError, dump, events, first_mechanism, found, frames, history, peak, states, timings,
+    wanted,
 };
 use crate::run::key_results::is_undecided;
 use crate::run::plugin::{BeginStage, EndStage, StageSystems};
@@ -61,7 +62,7 @@ impl Plugin for OutputPlugin {
                     avalanches::write_ended.pipe(halt),
                     history::write_wanted.pipe(halt),
                     (prepared::prepare.pipe(halt), frames::write_start.pipe(halt)).chain(),
-                    peak::take,
+                    (peak::take, found::see_forces),
                     first_mechanism::write.pipe(halt),
                     frames::write_wanted.pipe(halt),
                     dump::write_if_asked.pipe(halt),

@@ -136,9 +136,9 @@ pub(super) fn write_packing(world: &mut World) -> Result<(), OutputError> {
 /// Whether a compaction came right before the stage whose first increment has just been made.
 fn just_compacted(script: &Script) -> bool {
     let Some((now, before)) = script.ends.split_last() else { return false };
-    let last = before.iter().rev().find(|end| end.increments > 0);
+    let last = before.iter().rev().find(|end| end.rows > 0);
     let stage = last.and_then(|last| script.scene.stages.iter().find(|s| s.name() == last.stage));
-    now.increments == 1 && matches!(stage, Some(Stage::Compact(_)))
+    now.rows == 1 && matches!(stage, Some(Stage::Compact(_)))
 }
 
 /// Whether the specimen of the reference stage was cut out of another one.

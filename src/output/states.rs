@@ -71,5 +71,5 @@ pub fn kept_before(scene: &Scene, state: &WorldState) -> Vec<String> {
 #[must_use]
 pub fn increments(state: &WorldState) -> u64 {
     let script = state.get::<ScriptState>(SCRIPT);
-    script.map_or(0, |script| script.ends.iter().map(|end| end.increments).sum())
+    script.map_or(0, |script| script.ends.iter().map(|end| end.rows).sum())
 }

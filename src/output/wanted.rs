@@ -25,7 +25,7 @@ pub fn decide(
     mut wanted: ResMut<Wanted>,
 ) {
     let end = script.ends.last();
-    let n = end.map_or(0, |end| end.increments);
+    let n = end.map_or(0, |end| end.rows);
     let over = progress.is_over() || end.is_some_and(|end| end.ended_by.is_some());
     let record = script.stage(progress.stage).and_then(Stage::record);
     let record = record.cloned().unwrap_or_default();

@@ -18,7 +18,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
         AnalysisKind::Dynamic { dt, .. } => s / dt,
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => s * f64::from(stage.increments),
     };
-    let course = stage.scale.loads.iter().map(|(s, share)| [in_increments(*s), *share]);
+    let course = stage.scale.loads.iter().flatten().map(|(s, share)| [in_increments(*s), *share]);
     world.resource_mut::<ClasticProgress>().course = course.collect();
     if let Some(accuracy) = stage.accuracy {
         world.insert_resource(StepControl::new(accuracy));

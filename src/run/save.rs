@@ -18,7 +18,7 @@ pub struct SavedStates(pub Vec<(String, Tables)>);
 /// state that this stage was to reach.
 pub(super) fn refusal(world: &World, stage: &Save) -> Option<String> {
     let ends = &world.resource::<Script>().ends;
-    let last = ends.iter().rfind(|end| end.increments > 0)?;
+    let last = ends.iter().rfind(|end| end.rows > 0)?;
     (last.ended_by == Some(EndedBy::Collapse)).then(|| {
         format!(
             "stage {} cannot begin: the specimen collapsed in stage {}, so that its state is not the \

@@ -16,7 +16,7 @@ pub(super) fn is_scaled(script: Option<Res<Script>>, progress: Res<ClasticProgre
 fn scaled<'a>(script: &'a Script, progress: &ClasticProgress) -> Option<&'a Load> {
     let load = script.stage(progress.stage).and_then(Stage::load)?;
     let Scale { gravity, strength, .. } = &load.scale;
-    (!gravity.is_empty() || !strength.is_empty()).then_some(load)
+    (gravity.is_some() || strength.is_some()).then_some(load)
 }
 
 /// Sets gravity and strength to those at the end of the attempt.
@@ -30,10 +30,8 @@ pub(super) fn scale(
         AnalysisKind::Dynamic { dt, .. } => Some(dt),
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
     };
-    let factor = |points: &[(f64, f64)]| {
-        if points.is_empty() {
-            return 1.0;
-        }
+    let factor = |points: &Option<Vec<(f64, f64)>>| {
+        let Some(points) = points else { return 1.0 };
         let table = WallTable(points.iter().map(|(s, factor)| [*s, *factor, 0.0]).collect());
         table.next(&progress, dt)[0].at(progress.fraction)
     };

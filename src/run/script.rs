@@ -53,14 +53,19 @@ pub struct Collapse {
 }
 
 /// A stage of a run and how it ended. When it ends, this is a message, and an event for observers.
-#[derive(Message, Event, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Message, Event, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StageEnd {
     /// Name of the stage.
     pub stage: String,
-    /// Number of increments. Fractions of whole increments count one each.
+    /// Number of increments of the stage that were made, the last perhaps in part.
     pub increments: u64,
-    /// Number of increments with the status `capped`.
+    /// Number of committed and failed parts of increments: what the run counts as increments.
+    pub rows: u64,
+    /// Number of these with the status `capped`.
     pub capped: u64,
+    /// Number of particles that are [set aside](clastic_components::particle::SetAside) after its last
+    /// increment.
+    pub set_aside: u64,
     /// What ended the stage; `None` for the current stage.
     pub ended_by: Option<EndedBy>,
     /// The stop condition as the scene writes it: the one that was met with [`EndedBy::Stop`], and
@@ -74,11 +79,16 @@ pub struct StageEnd {
 
 impl StageEnd {
     /// Warning about capped increments, about a measure that has passed the value on which it
-    /// should land, and about stop conditions that never held; `None` if the stage has none of
-    /// them.
+    /// should land, about stop conditions that never held, and about particles that are set aside;
+    /// `None` if the stage has none of them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let all = [self.capped_warning(), self.passed_warning(), self.missed_warning()];
+        let all = [
+            self.capped_warning(),
+            self.passed_warning(),
+            self.missed_warning(),
+            self.aside_warning(),
+        ];
         let all: Vec<_> = all.into_iter().flatten().collect();
         (!all.is_empty()).then(|| all.join("; "))
     }
@@ -102,15 +112,28 @@ impl StageEnd {
         ))
     }
 
+    fn aside_warning(&self) -> Option<String> {
+        let (what, their) = match self.set_aside {
+            0 => return None,
+            1 => ("1 particle that carries nothing is".to_owned(), "its"),
+            n => (format!("{n} particles that carry nothing are"), "their"),
+        };
+        let stage = label(&self.stage);
+        Some(format!(
+            "at the end of stage {stage} {what} set aside, without {their} weight: no motion brought \
+             {their} fall to rest"
+        ))
+    }
+
     fn capped_warning(&self) -> Option<String> {
-        let Self { increments, capped, .. } = self;
+        let Self { rows, capped, .. } = self;
         let stage = label(&self.stage);
         match *capped {
             0 => None,
-            _ if capped == increments => {
-                Some(format!("all {increments} increments of stage {stage} are capped"))
+            _ if capped == rows => {
+                Some(format!("all {rows} increments of stage {stage} are capped"))
             }
-            _ => Some(format!("{capped} of {increments} increments of stage {stage} are capped")),
+            _ => Some(format!("{capped} of {rows} increments of stage {stage} are capped")),
         }
     }
 }

@@ -111,17 +111,7 @@ fn begin(world: &mut World, stage: Stage) {
     let index = progress.stage;
     let mut script = world.resource_mut::<Script>();
     script.begun = true;
-    let name = stage.name().to_owned();
-    let end = StageEnd {
-        stage: name,
-        increments: 0,
-        capped: 0,
-        ended_by: None,
-        stop: None,
-        passed: None,
-        jammed_at: None,
-    };
-    script.ends.push(end);
+    script.ends.push(StageEnd { stage: stage.name().to_owned(), ..StageEnd::default() });
     script.peak = 0.0;
     script.speed = None;
     script.stop = false;

@@ -59,7 +59,7 @@ impl StateOf for ScriptState {
         let mut ends = script.ends.clone();
         // Nothing of an undecided increment was committed, so a resumed run tries it again.
         if let Some(end) = ends.last_mut().filter(|_| undecided(script)) {
-            end.increments -= 1;
+            end.rows -= 1;
             end.ended_by = None;
         }
         Some(Self {

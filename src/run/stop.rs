@@ -6,6 +6,7 @@ use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::BodyVelocity;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
+use clastic_components::particle::SetAside;
 use clastic_components::poured::Poured;
 use clastic_systems::attempt::dense::is_unsettled;
 use clastic_systems::attempt::proof::proof;
@@ -93,8 +94,12 @@ pub fn end_increment(world: &mut World) {
             Some(EndedBy::Undecided)
         }
     };
+    let done = world.resource::<ClasticProgress>().done;
+    let set_aside = world.query_filtered::<(), With<SetAside>>().iter(world).count() as u64;
     if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
-        end.increments += 1;
+        end.rows += 1;
+        end.increments = done.ceil() as u64;
+        end.set_aside = set_aside;
         end.capped += u64::from(status == IncrementStatus::Capped);
         (end.ended_by, end.stop, end.passed) = (ended_by, held, passed);
     }

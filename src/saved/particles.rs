@@ -5,7 +5,7 @@ use clastic_components::body::{
     BodyPosition, BodyRotation, BodyVelocity, Group, LastMotion, LoadControl, Probe, Ramp,
 };
 use clastic_components::increment::ClasticProgress;
-use clastic_components::particle::{MaterialIndex, Particle, Swinging};
+use clastic_components::particle::{MaterialIndex, Particle, SetAside, Swinging};
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
 use glam::DVec2;
@@ -14,7 +14,7 @@ use super::SavedError;
 use super::columns::{add, add_motions, bad, each, finite, identities, of, some};
 use crate::tables::{Array, Tables};
 
-pub(super) const ENTRIES: [&str; 15] = [
+pub(super) const ENTRIES: [&str; 16] = [
     "angular_velocity",
     "applied_load",
     "drives",
@@ -28,9 +28,13 @@ pub(super) const ENTRIES: [&str; 15] = [
     "position",
     "probe",
     "rotation",
+    "set_aside",
     "swinging",
     "velocity",
 ];
+
+/// Column of the particles that are set aside, in states with such particles.
+const SET_ASIDE: &str = "particles.set_aside";
 
 /// Columns of numbers.
 const NUMBERS: [&str; 15] = [
@@ -104,6 +108,10 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     tables.put("particles.imposed_motion", Array::vectors(values));
     let swinging = of::<Swinging>(state, "swinging", ids)?;
     tables.put("particles.swinging", Array::bool(swinging.iter().map(Option::is_some).collect()));
+    let aside = of::<SetAside>(state, "set_aside", ids)?;
+    if aside.iter().any(Option::is_some) {
+        tables.put(SET_ASIDE, Array::bool(aside.iter().map(Option::is_some).collect()));
+    }
     Ok(())
 }
 
@@ -174,5 +182,9 @@ pub(super) fn read(
     add(state, "drives", ids, drives)?;
     let swinging = tables.bool("particles.swinging", &[n])?;
     add(state, "swinging", ids, swinging.iter().map(|swings| swings.then_some(Swinging)))?;
+    if tables.has(SET_ASIDE) {
+        let aside = tables.bool(SET_ASIDE, &[n])?;
+        add(state, "set_aside", ids, aside.iter().map(|is_aside| is_aside.then_some(SetAside)))?;
+    }
     Ok(numbers)
 }

@@ -125,10 +125,12 @@ fn particle_dof(
     k: usize,
 ) -> FreeDof {
     let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
-    let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
-    let applied = bodies.loads[i][k].at(fraction) + weight;
+    let applied = bodies.loads[i][k].at(fraction);
     match analysis.kind {
-        AnalysisKind::Static => FreeDof { load: applied, ..FreeDof::default() },
+        AnalysisKind::Static => {
+            let weight = if k < 2 { bodies.static_weight(i, analysis.gravity)[k] } else { 0.0 };
+            FreeDof { load: applied + weight, ..FreeDof::default() }
+        }
         AnalysisKind::Compaction { agitation, seed, .. } => {
             let mean = if k < 2 { affine.displacement(bodies.positions[i])[k] } else { 0.0 };
             let u = mean + agitation * shake(seed, increment, bodies.ids[i].0 as usize, k);
@@ -139,7 +141,9 @@ fn particle_dof(
             let inertia = mass / (theta * dt * dt);
             let v = if k < 2 { bodies.velocities[i][k] } else { bodies.angular_velocities[i] };
             let momentum = inertia * v * dt;
-            FreeDof { load: applied + momentum, momentum, inertia, ..FreeDof::default() }
+            let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
+            let load = applied + weight + momentum;
+            FreeDof { load, momentum, inertia, ..FreeDof::default() }
         }
     }
 }

@@ -27,6 +27,7 @@ pub mod proof;
 pub mod push_out;
 pub mod restraints;
 mod run;
+pub mod set_aside;
 mod share;
 pub mod too_far;
 

@@ -29,6 +29,7 @@ use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::places::{digits, moves_most, near};
+use super::set_aside::{Lost, lost};
 use crate::kinetic_damping;
 use crate::motion_settings::MotionSettings;
 use crate::rupture_bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
@@ -102,6 +103,25 @@ pub fn max_steps(acceptance: &Acceptance, settings: &MotionSettings) -> u32 {
     (settings.max_travel / aimed(acceptance)).ceil() as u32
 }
 
+/// Whether the increment has a step of a motion left.
+#[must_use]
+pub fn has_step(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSettings) -> bool {
+    let motion = attempt.motion();
+    let released = attempt.released_steps;
+    motion.map_or(0, |motion| motion.failures) < settings.max_failures
+        && if motion.is_some_and(|motion| motion.released) {
+            released < settings.max_released_steps
+        } else {
+            attempt.motion_steps - released < max_steps(acceptance, settings)
+        }
+}
+
+/// Whether another motion may begin.
+#[must_use]
+pub fn may_begin(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSettings) -> bool {
+    attempt.motions < settings.max_motions && has_step(attempt, acceptance, settings)
+}
+
 /// Ends the motion under way. Imposed motions that it has made are not made again.
 pub fn end(world: &mut World) {
     let stopped = world.resource::<Attempt>().is_driven;
@@ -159,6 +179,7 @@ pub fn judge_rest(
     contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
+    analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
     settings: Res<MotionSettings>,
     mut attempt: ResMut<Attempt>,
@@ -176,18 +197,27 @@ pub fn judge_rest(
     let travelled = motion.travelled + far;
     // The step that makes the imposed motions moves bodies, if only those.
     let moved = !attempt.is_driven || travelled > settings.min_travel * acceptance.turn;
-    attempt.verdict = if at_rest {
-        Verdict::AtRest { moved }
-    } else if travelled > settings.travel_to_rest {
-        Verdict::GivesWay(format!(
-            "the motion under constant loads does not come to rest: its furthest grains \
-             travelled more than {} radii in {} steps{}",
-            settings.travel_to_rest,
-            motion.steps + 1,
-            last()
-        ))
-    } else {
-        Verdict::Moving
+    if at_rest || travelled <= settings.travel_to_rest {
+        attempt.verdict = if at_rest { Verdict::AtRest { moved } } else { Verdict::Moving };
+        return;
+    }
+    let gives_way = format!(
+        "the motion under constant loads does not come to rest: its furthest grains travelled more \
+         than {} radii in {} steps{}",
+        settings.travel_to_rest,
+        motion.steps + 1,
+        last()
+    );
+    let limits = (&*acceptance, &*settings);
+    let solved = (&*program, &*solution);
+    attempt.verdict = match lost(&bodies, &contacts, solved, &analysis, limits, &attempt, travelled)
+    {
+        Lost::Specimen => Verdict::GivesWay(gives_way),
+        Lost::Falling => Verdict::Moving,
+        Lost::Grains(grains) => {
+            attempt.left = grains;
+            Verdict::AtRest { moved }
+        }
     };
 }
 

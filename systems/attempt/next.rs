@@ -72,12 +72,11 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
         Verdict::Overloaded => Next::Approach,
-        // At the smallest fraction the proof decides, because a failed motion would leave none.
-        Verdict::Loose if can_follow && budget.half => Next::Follow,
+        Verdict::Loose if can_follow => Next::Follow,
         // Bonds may break at a load below the one that has no equilibrium.
         Verdict::Impossible | Verdict::Loose if budget.searches && budget.half => Next::Halve,
         // The motion may end where the specimen finds new support.
-        Verdict::Impossible | Verdict::Loose if can_follow && !budget.is_proved => Next::Follow,
+        Verdict::Impossible if can_follow && !budget.is_proved => Next::Follow,
         Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
         Verdict::Again => Next::Solve,
         Verdict::Unconverged(_) => match effort {
@@ -294,16 +293,13 @@ mod tests {
     #[test]
     fn loose_grains_are_followed_and_prove_a_collapse_where_they_cannot_be() {
         let mode = Mode::Equilibrium(Effort::Usual);
-        assert_eq!(next(&mode, &Verdict::Loose, ALL), Next::Follow);
+        for budget in [ALL, Budget { half: false, is_proved: true, ..ALL }] {
+            assert_eq!(next(&mode, &Verdict::Loose, budget), Next::Follow);
+        }
         let spent = Budget { motion: false, searches: true, ..ALL };
         assert_eq!(next(&mode, &Verdict::Loose, spent), Next::Halve);
-        let rest = Budget { searches: false, ..ALL };
-        for spent in
-            [Budget { motion: false, ..rest }, Budget { half: false, is_proved: true, ..ALL }]
-        {
-            let end = Next::End(IncrementStatus::Collapsed);
-            assert_eq!(next(&mode, &Verdict::Loose, spent), end);
-        }
+        let spent = Budget { motion: false, searches: false, ..ALL };
+        assert_eq!(next(&mode, &Verdict::Loose, spent), Next::End(IncrementStatus::Collapsed));
     }
 
     /// A hanging bridge of unbreakable bonds was "collapsed by proof" before it could sag.

@@ -107,6 +107,9 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
         Next::Shorten => motion::shorten(world),
         Next::Rest => {
             motion::take_step(world);
+            let left = std::mem::take(&mut world.resource_mut::<Attempt>().left);
+            let aside = &mut world.resource_mut::<BodyTable>().set_aside;
+            left.into_iter().for_each(|i| aside[i] = true);
             open_trial(world);
             seek_equilibrium(world);
         }
@@ -220,21 +223,13 @@ fn begin_increment(world: &mut World) {
 fn budget(world: &World) -> Budget {
     let attempt = world.resource::<Attempt>();
     let settings = world.resource::<MotionSettings>();
-    let failures = attempt.motion().map_or(0, |motion| motion.failures);
-    let is_released = attempt.motion().is_some_and(|motion| motion.released);
-    let released = attempt.released_steps;
     // The limit refers to a whole increment and not to the last fraction. Otherwise a specimen
     // without equilibrium would continue in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
     Budget {
         follows: world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static,
         motion: attempt.motions < settings.max_motions,
-        step: failures < settings.max_failures
-            && if is_released {
-                released < settings.max_released_steps
-            } else {
-                attempt.motion_steps - released < motion::max_steps(world.resource(), settings)
-            },
+        step: motion::has_step(attempt, world.resource(), settings),
         half: 0.5 * world.resource::<ClasticProgress>().fraction >= finest,
         searches: world.resource::<EventSearch>().active,
         shrinks: attempt.motions == 0

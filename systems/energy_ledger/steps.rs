@@ -36,8 +36,8 @@ pub(crate) fn book_step(
                 };
         }
     }
-    for (mass, u) in bodies.masses.iter().zip(moved) {
-        e.gravity += mass * analysis.gravity.dot(DVec2::new(u[0], u[1]));
+    for (i, u) in moved.iter().enumerate().take(bodies.particles) {
+        e.gravity += bodies.static_weight(i, analysis.gravity).dot(DVec2::new(u[0], u[1]));
     }
     // The loads of the program contain the weight.
     e.external -= e.gravity;

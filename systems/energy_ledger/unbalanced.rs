@@ -48,7 +48,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
         let u = solution.displacements[i];
         let group = bodies.groups.iter().find(|group| group.body as usize == i);
         if i < bodies.particles {
-            e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
+            e.gravity += bodies.static_weight(i, analysis.gravity).dot(DVec2::new(u[0], u[1]));
         }
         for k in 0..3 {
             match &body.dofs[k] {

@@ -5,15 +5,17 @@ mod external_forces;
 mod move_bodies;
 mod remember_contacts;
 
+use crate::attempt::set_aside::touched;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use clastic_components::contact::BodyTable;
+use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::{EventSearch, Restraints, Ruptures};
 use clastic_components::increment::{
     AnalysisKind, Avalanche, ClasticAnalysis, ClasticProgress, RuptureOrder, RuptureRules,
 };
-use clastic_components::particle::Swinging;
+use clastic_components::particle::{SetAside, Swinging};
 
 pub use self::external_forces::external_forces;
 pub use self::move_bodies::move_bodies;
@@ -30,7 +32,7 @@ impl Plugin for UpdateStatePlugin {
                 external_forces,
                 move_bodies,
                 remember_contacts,
-                remember_swinging,
+                (remember_swinging, remember_set_aside),
                 advance_progress,
                 lap(|t| &mut t.update),
             )
@@ -44,6 +46,28 @@ impl Plugin for UpdateStatePlugin {
 pub fn remember_swinging(bodies: Res<BodyTable>, found: Res<Restraints>, mut commands: Commands) {
     for (i, _) in found.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
         commands.entity(bodies.entities[i]).insert(Swinging);
+    }
+}
+
+/// Marks particles that the attempts have [`SetAside`], and takes the mark from those on which a
+/// force acts again, or all in a dynamic increment.
+pub fn remember_set_aside(
+    bodies: Res<BodyTable>,
+    analysis: Res<ClasticAnalysis>,
+    history: Res<ContactHistory>,
+    mut commands: Commands,
+) {
+    if !bodies.set_aside.contains(&true) {
+        return;
+    }
+    let touched = touched(&bodies, &history);
+    for i in (0..bodies.particles).filter(|i| bodies.set_aside[*i]) {
+        let mut particle = commands.entity(bodies.entities[i]);
+        if analysis.kind == AnalysisKind::Static && !touched[i] {
+            particle.insert(SetAside);
+        } else {
+            particle.remove::<SetAside>();
+        }
     }
 }
 

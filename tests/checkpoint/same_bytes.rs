@@ -369,3 +369,22 @@ fn coulomb_ruptures_and_walls_that_come_and_go() {
     assert!(records.iter().any(|o| o.coulomb_residual > 0.0), "Coulomb's law made no difference");
     assert!(records.iter().any(|o| o.stage == "hold"), "{:?}", records.last());
 }
+
+/// A grain that is set aside stays so: a resumed run would otherwise let it fall again.
+#[test]
+fn a_grain_that_is_set_aside() {
+    let loaded = parse(
+        "(version: 1, title: \"a disk beside a floor\", gravity: (0.0, -9.81),
+          materials: { \"rock\": (density: 2000.0, contact: (normal_stiffness: 1.0e8, friction: 0.5)) },
+          specimen: Particles([
+            (position: (0.0, 0.1), radius: 0.1), (position: (0.0, 0.3), radius: 0.1),
+            (position: (1.0, 0.5), radius: 0.1)]),
+          walls: [(name: \"floor\", shape: Segment, start: (-0.3, 0.0), end: (0.3, 0.0),
+            contact: (normal_stiffness: 1.0e8, friction: 0.5))],
+          stages: [Load(name: \"weight\", increments: 3), Save(name: \"kept\"),
+            Load(name: \"more\", increments: 2, gravity: (0.0, -20.0))])",
+    );
+    let records = same_from_anywhere(&loaded, |_| true);
+    let steps: Vec<_> = records.iter().map(|o| o.motion_steps).collect();
+    assert!(steps[0] > 0 && steps[1..].iter().all(|n| *n == 0), "{steps:?}");
+}

@@ -261,3 +261,14 @@ fn curves_after_the_peak() {
         }
     }
 }
+
+/// "After 98 increments" of a stage of 100 of which 27 were made: states within avalanches counted.
+#[test]
+fn a_stage_counts_whole_increments_beside_its_rows() {
+    let mut simulation = row_behind_a_prop("MostOverloaded", 4);
+    let rows = run(&mut simulation).len() as u64;
+    let script = simulation.world().resource::<clastic::run::stages::Script>();
+    let [end] = script.ends.as_slice() else { panic!("{:?}", script.ends) };
+    assert_eq!((end.increments, end.rows), (4, rows));
+    assert!(rows > 4, "no avalanche");
+}

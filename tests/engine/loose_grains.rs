@@ -5,8 +5,10 @@ use bevy_ecs::prelude::*;
 use clastic::components::attempt::Attempt;
 use clastic::components::contact_history::ContactHistory;
 use clastic::components::findings::AddedPairs;
+use clastic::components::particle::SetAside;
 use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::prelude::*;
+use clastic::run::stages::Script;
 use clastic::systems::schedule::{AttemptIncrement, AttemptSystems};
 use clastic::systems::turns::furthest;
 
@@ -194,4 +196,79 @@ fn a_disk_that_loses_its_bond_after_idle_increments_falls_to_the_floor() {
     let place = world.query_filtered::<&BodyPosition, With<Particle>>().single(world).unwrap().0;
     let weight = 2000.0 * std::f64::consts::PI * 0.25 * 9.81;
     assert!((place.y - (-5.0 - weight / 1.0e8)).abs() < 1e-9, "{place}");
+}
+
+/// Three stacked disks under a lid of 1 kN, on a floor that ends beside them, and one disk without
+/// support beside the stack; `stages` follow.
+fn beside_a_stack(stages: &str) -> clastic::scene::format::Scene {
+    parse(&format!(
+        "(version: 1, title: \"a disk beside a stack\", gravity: (0.0, -9.81),
+          materials: {{ \"rock\": (density: 2000.0, contact: (
+            normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5, rolling_friction: 0.1)) }},
+          specimen: Particles([
+            (position: (0.0, 0.1), radius: 0.1), (position: (0.0, 0.3), radius: 0.1),
+            (position: (0.0, 0.5), radius: 0.1), (position: (1.0, 0.5), radius: 0.1)]),
+          walls: [
+            (name: \"floor\", start: (-0.3, 0.0), end: (0.3, 0.0), shape: Segment,
+                contact: (normal_stiffness: 1.0e8, friction: 0.5)),
+            (name: \"lid\", start: (0.3, 0.6), end: (-0.3, 0.6), shape: Segment, probe: \"lid\",
+                contact: (normal_stiffness: 1.0e8, friction: 0.5))],
+          stages: [{stages}])"
+    ))
+}
+
+/// A grain with nothing below it fell for ever, and its fall ended the test of the specimen beside it
+/// as a collapse. It is set aside without its weight.
+#[test]
+fn a_grain_that_falls_out_of_the_specimen_ends_no_static_stage() {
+    let lid = "walls: { \"lid\": Force(1000.0) }";
+    let scene = beside_a_stack(&format!(
+        "Load(name: \"weight\", increments: 4, {lid}), Load(name: \"more\", increments: 4)"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    assert_eq!(simulation.run(), Outcome::Completed);
+    let states = common::states(&mut simulation);
+    // Out of reach: a radius and more below the lowest point of all others.
+    assert!(states[3].position.y < -0.1, "{}", states[3].position);
+    let world = simulation.world_mut();
+    let aside: Vec<_> =
+        world.query_filtered::<&BodyId, With<SetAside>>().iter(world).copied().collect();
+    assert_eq!(aside, [BodyId(3)]);
+    // The floor carries the lid and three of the four disks.
+    let weight = 2000.0 * std::f64::consts::PI * 0.01 * 9.81;
+    let floor =
+        world.resource::<ContactHistory>().0.iter().find(|m| (m.a, m.b) == (0, 4)).unwrap().p;
+    assert!((floor - (1000.0 + 3.0 * weight)).abs() < 1e-6 * floor, "{floor}");
+    let script = world.resource::<Script>();
+    assert!(script.ends.iter().all(|end| end.set_aside == 1), "{:?}", script.ends);
+    assert!(
+        script.ends[0].warning().unwrap().contains("1 particle that carries nothing is set aside")
+    );
+}
+
+/// Where more than loose grains fall, the specimen collapses: a stack loses its floor.
+#[test]
+fn a_stack_without_its_floor_is_a_collapse() {
+    let scene = beside_a_stack("Load(name: \"weight\", increments: 1, remove_walls: [\"floor\"])");
+    let outcome = Simulation::new(&scene, None).run();
+    assert!(matches!(outcome, Outcome::Collapsed(_)), "{outcome:?}");
+}
+
+/// A grain that is set aside gets its weight back where something lifts it, and in a dynamic stage.
+#[test]
+fn a_grain_that_is_set_aside_has_its_weight_again_when_it_is_touched_or_falls_in_time() {
+    let scene = beside_a_stack(
+        "Load(name: \"weight\", increments: 1),
+         Load(name: \"time\", increments: 10, analysis: Dynamic(dt: 1.0e-3))",
+    );
+    let mut simulation = Simulation::new(&scene, None);
+    let mut heights = Vec::new();
+    while step(&mut simulation).is_some() {
+        heights.push(common::states(&mut simulation)[3].position.y);
+    }
+    // The theta method of a fall from rest: y = -g t^2/2 to first order in dt.
+    let fallen = heights[0] - heights[10];
+    assert!((fallen - 0.5 * 9.81 * 1e-4).abs() < 0.11 * 0.5 * 9.81 * 1e-4, "{fallen}");
+    let world = simulation.world_mut();
+    assert_eq!(world.query_filtered::<(), With<SetAside>>().iter(world).count(), 0);
 }

@@ -148,3 +148,14 @@ fn no_recipe_of_the_docs_writes_into_the_scenes() {
     }
     assert!(commands > 0, "{commands} lines name a scene: are blocks still indented?");
 }
+
+/// `clastic stability` is in the package for Python alone.
+#[test]
+fn a_command_of_the_package_for_python_says_where_it_is() {
+    for arguments in
+        [&["stability"][..], &["stability", "--help"], &["stability", "slope", "--on", "gravity"]]
+    {
+        let said = stderr(&clastic(arguments).code(2));
+        assert!(said.contains("pip install './python[all]'"), "{said}");
+    }
+}

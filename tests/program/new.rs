@@ -16,7 +16,7 @@ const RIGS: [(&str, &[&str]); 5] = [
 #[test]
 fn every_rig_is_listed_sound_and_runs() {
     let list = stdout(&clastic(&["new"]).code(0));
-    assert_eq!(list.lines().count(), 1 + RIGS.len(), "{list}");
+    assert_eq!(list.lines().count(), 2 + RIGS.len(), "{list}");
     let folder = tempfile::tempdir().unwrap();
     for (rig, sets) in RIGS {
         assert!(list.contains(&format!("  {rig} ")), "{list}");
@@ -39,4 +39,18 @@ fn every_rig_is_listed_sound_and_runs() {
 fn an_unknown_rig_is_refused_with_the_nearest_name() {
     let said = stderr(&clastic(&["new", "biaxail"]).code(2));
     assert!(said.contains("did you mean `biaxial`?"), "{said}");
+}
+
+/// `clastic new footing` was "no rig".
+#[test]
+fn a_scene_that_ships_is_printed_as_it_is() {
+    for name in ["footing", "slope_block"] {
+        let done = clastic(&["new", name]).code(0);
+        let path = format!("{}/scenes/{name}.ron", env!("CARGO_MANIFEST_DIR"));
+        assert_eq!(stdout(&done).trim_end(), fs::read_to_string(path).unwrap().trim_end());
+        // Its specimen is no part of the text.
+        assert_eq!(stderr(&done).contains("slope_ground.npz"), name == "slope_block");
+    }
+    let said = stderr(&clastic(&["new", "footin"]).code(2));
+    assert!(said.contains("did you mean `footing`?"), "{said}");
 }

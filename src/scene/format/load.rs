@@ -17,15 +17,15 @@ use crate::scene::unique_keys;
 #[serde(deny_unknown_fields)]
 pub struct Scale {
     /// Factor on the gravity of the stage.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub gravity: Vec<(f64, f64)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gravity: Option<Vec<(f64, f64)>>,
     /// Factor on cohesion, tensile strength and friction of all contacts and bonds.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub strength: Vec<(f64, f64)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub strength: Option<Vec<(f64, f64)>>,
     /// Factor f of all loads that the stage brings to a target: each is at
     /// `last + f (target - last)`. Without points f is the part of the increments that is done.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub loads: Vec<(f64, f64)>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub loads: Option<Vec<(f64, f64)>>,
 }
 
 impl Scale {

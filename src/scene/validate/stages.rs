@@ -230,30 +230,32 @@ fn scale(context: &Context, path: Arguments, stage: &Load, findings: &mut Findin
     let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
     let Scale { gravity, strength, loads } = &stage.scale;
     for (field, points) in [("gravity", gravity), ("strength", strength), ("loads", loads)] {
-        if !points.is_empty() {
+        if let Some(points) = points {
             let path = format_args!("{path}.scale.{field}");
             let points: Vec<_> = points.iter().map(|(s, factor)| (*s, vec![*factor])).collect();
             wall_controls::points_of(path, &points, "a factor", timeless, findings);
         }
     }
-    for (k, (_, factor)) in strength.iter().enumerate() {
+    for (k, (_, factor)) in strength.iter().flatten().enumerate() {
         findings.positive(format_args!("{path}.scale.strength[{k}][1]"), *factor, "a factor");
     }
-    if !gravity.is_empty() && stage.gravity.unwrap_or(context.scene.gravity) == (0.0, 0.0) {
+    if gravity.is_some() && stage.gravity.unwrap_or(context.scene.gravity) == (0.0, 0.0) {
         let help = "give the stage or the scene a `gravity`";
         findings.add(format_args!("{path}.scale.gravity"), "a factor on no gravity", help);
     }
-    if !loads.is_empty() && !stage.has_target() && findings.is_sure_of("stages") {
+    if loads.is_some() && !stage.has_target() && findings.is_sure_of("stages") {
         let help =
             "give a wall, a particle, a rigid group, a membrane or the cell a load in this stage";
         findings.add(format_args!("{path}.scale.loads"), "a factor on no load", help);
     }
-    if let Some((_, first)) = loads.first() {
+    if let Some((_, first)) = loads.iter().flatten().next() {
         let what = "0, at which loads are those that the stage begins with";
         let path = format_args!("{path}.scale.loads[0][1]");
         findings.number(path, *first, |first| first == 0.0, what);
     }
-    for (k, (_, factor)) in loads.iter().enumerate().filter(|_| !stage.membranes.is_empty()) {
+    for (k, (_, factor)) in
+        loads.iter().flatten().enumerate().filter(|_| !stage.membranes.is_empty())
+    {
         let what = "a factor of 0 to 1, as a membrane cannot pull";
         let allowed = |factor: f64| (0.0..=1.0).contains(&factor);
         findings.number(format_args!("{path}.scale.loads[{k}][1]"), *factor, allowed, what);
