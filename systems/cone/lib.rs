@@ -43,8 +43,6 @@ pub mod condensed;
 pub mod coulomb;
 pub mod dump;
 mod interaction;
-mod lowering;
-pub mod polish;
 pub mod program;
 pub mod residuals;
 mod solution;
