@@ -32,7 +32,7 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(Solver(match scene.solver {
         scene::Solver::Condensed => Box::new(condensed(scene.acceptance.residual)),
         scene::Solver::Clarabel { tolerance, max_iterations } => {
-            Box::new(Clarabel { tolerance, max_iterations })
+            Box::new(Clarabel { tolerance, max_iterations, ..Clarabel::default() })
         }
     }));
     let bonds = scene.materials.values().map(|material| material.bond);

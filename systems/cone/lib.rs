@@ -43,6 +43,8 @@ pub mod condensed;
 pub mod coulomb;
 pub mod dump;
 mod interaction;
+mod lowering;
+pub mod polish;
 pub mod program;
 pub mod residuals;
 mod solution;

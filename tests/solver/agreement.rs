@@ -362,3 +362,22 @@ fn nothing_that_is_solved_proves_a_collapse() {
         }
     }
 }
+
+#[test]
+fn polish_makes_a_coarse_solution_exact() {
+    let (mut polished, mut solved) = (0, 0);
+    for (_, program) in random_programs(KINDS) {
+        let fine = solve(&mut Clarabel::default(), &program);
+        if fine.status != SolveStatus::Solved || fine.forces.is_empty() {
+            continue;
+        }
+        let coarse = solve(&mut Clarabel { tolerance: 1e-5, ..Default::default() }, &program);
+        solved += 1;
+        polished += usize::from(
+            coarse.status == SolveStatus::Solved
+                && coarse.message.contains("polished")
+                && coarse.iterations <= fine.iterations,
+        );
+    }
+    assert!(10 * polished >= 9 * solved, "{polished} of {solved}");
+}

@@ -88,11 +88,6 @@ impl Images {
         self.list.len()
     }
 
-    /// The place of the cell.
-    pub fn cell(&self) -> usize {
-        self.cell
-    }
-
     /// Whether this is the place of the cell.
     pub fn is_cell(&self, place: usize) -> bool {
         self.bodies > 0 && place == self.cell

@@ -272,21 +272,6 @@ impl Scaled {
         [local.bodies[0], self.images.body(local.bodies[1])]
     }
 
-    /// The bodies on which an interaction acts, with the rows of each; with an image as the second
-    /// body the cell is one of them.
-    pub fn participants(&self, local: &Local) -> impl Iterator<Item = (usize, [[f64; 3]; 3])> {
-        let [a, b] = self.pair(local);
-        let image = self.images.number(local.bodies[1]);
-        let (of_b, of_cell) = match image {
-            Some(k) => {
-                let (of_b, of_cell) = self.images.rows(k, &local.rows[1]);
-                (of_b, Some((self.images.cell(), of_cell)))
-            }
-            None => (local.rows[1], None),
-        };
-        [(a, local.rows[0]), (b, of_b)].into_iter().chain(of_cell)
-    }
-
     /// The interaction between two bodies that remains of one with an image if the cell is held at
     /// the displacements `u`.
     #[must_use]
