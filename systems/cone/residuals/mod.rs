@@ -19,8 +19,8 @@ mod carrying;
 mod units;
 
 pub use self::carrying::Carrying;
+pub use self::units::{MIN_FORCE, displacement_scale, force_scale};
 pub(crate) use self::units::{Units, applied_force};
-pub use self::units::{displacement_scale, force_scale};
 use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw};
 
 /// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
@@ -105,18 +105,30 @@ pub fn choose_displacements(
 }
 
 fn evaluate(program: &ConeProgram, solution: &ConeSolution, regularisation: f64) -> Residuals {
+    let mut out = Residuals::default();
+    each(program, solution, regularisation, |_, raise| raise(&mut out));
+    out
+}
+
+/// Calls a function for the balance of every body, which comes twice, and for every interaction with
+/// its two bodies, and with what raises residuals to those.
+fn each(
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    regularisation: f64,
+    mut f: impl FnMut([usize; 2], &dyn Fn(&mut Residuals)),
+) {
     let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);
-    let mut out = Residuals::default();
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(forces, &mut rows);
-    for ((body, row), u) in program.bodies.iter().zip(&rows).zip(displacements) {
-        units.of_balance(body, row, u, regularisation, &mut out);
+    for (i, ((body, row), u)) in program.bodies.iter().zip(&rows).zip(displacements).enumerate() {
+        f([i, i], &|out| units.of_balance(body, row, u, regularisation, out));
     }
-    for (c, f) in program.interactions.iter().zip(forces) {
-        units.of_interaction(*law, c, &program.kinematics(c, displacements), f, &mut out);
+    for (c, s) in program.interactions.iter().zip(forces) {
+        let e = program.kinematics(c, displacements);
+        f([c.a as usize, c.b as usize], &|out| units.of_interaction(*law, c, &e, s, out));
     }
-    out
 }
 
 /// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
@@ -124,25 +136,19 @@ fn evaluate(program: &ConeProgram, solution: &ConeSolution, regularisation: f64)
 /// displacements.
 #[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
-    let ConeSolution { law, forces, displacements, .. } = solution;
+    let ConeSolution { forces, displacements, .. } = solution;
     if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
         return None;
     }
-    let units = Units::of(program, forces, displacements);
-    let mut rows = vec![[0.0; 3]; program.bodies.len()];
-    program.add_forces(forces, &mut rows);
-    let balance = program.bodies.iter().zip(&rows).zip(displacements).enumerate();
-    let balance = balance.map(|(i, ((body, row), u))| {
-        let mut out = Residuals::default();
-        units.of_balance(body, row, u, 0.0, &mut out);
-        (out.worst(), [i, i])
+    let mut worst: Option<(f64, [usize; 2])> = None;
+    each(program, solution, 0.0, |bodies, raise| {
+        let mut own = Residuals::default();
+        raise(&mut own);
+        if worst.is_none_or(|(most, _)| own.worst().total_cmp(&most).is_ge()) {
+            worst = Some((own.worst(), bodies));
+        }
     });
-    let laws = program.interactions.iter().zip(forces).map(|(c, f)| {
-        let mut out = Residuals::default();
-        units.of_interaction(*law, c, &program.kinematics(c, displacements), f, &mut out);
-        (out.worst(), [c.a as usize, c.b as usize])
-    });
-    balance.chain(laws).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, bodies)| bodies)
+    worst.map(|(_, bodies)| bodies)
 }
 
 /// Maximum of the natural map of the contacts without strength, without dimension. With P, Q, T the

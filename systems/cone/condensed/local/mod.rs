@@ -19,10 +19,8 @@ use self::fast::SlowPart;
 use self::patches::Patches;
 use super::matrix::BodyMatrix;
 use super::newton::{Between, Goal, Newton, Point, Step, iterate};
-use super::rolling_spring::RollingSpring;
 use super::scaled::Scaled;
 use super::settings::{LineSearchSettings, LocalSettings, NewtonSettings};
-use super::spring::{Elastic, Spring};
 use crate::adjacency::Adjacency;
 
 /// Solves the program from the displacements `start` until the unbalance over the maximum force is
@@ -36,22 +34,21 @@ pub fn solve(
     local: &LocalSettings,
     goal: f64,
 ) -> Newton {
-    let patience = if program.is_damped() { newton.max_iterations } else { newton.patience };
-    let newton = NewtonSettings { patience, ..*newton };
-    let goal = Goal { relative: goal, absolute: 0.0 };
     let pairs = program.locals.iter().map(|l| program.pair(l));
     let adjacency = Adjacency::new(program.free.len(), pairs);
     let mut elimination = Elimination {
         adjacency,
         settings: local,
+        goal,
         last_length: 0.0,
         fast: Vec::new(),
         is_done: false,
     };
+    let goal = Goal { relative: goal, absolute: 0.0 };
     if program.locals.iter().any(|l| l.has[2]) {
-        iterate::<RollingSpring, 3>(program, matrix, start, &newton, goal, &mut elimination)
+        iterate::<3>(program, matrix, start, newton, goal, &mut elimination)
     } else {
-        iterate::<Spring, 2>(program, matrix, start, &newton, goal, &mut elimination)
+        iterate::<2>(program, matrix, start, newton, goal, &mut elimination)
     }
 }
 
@@ -59,6 +56,8 @@ pub fn solve(
 struct Elimination<'a> {
     adjacency: Adjacency,
     settings: &'a LocalSettings,
+    /// Unbalance of the whole program over its maximum force.
+    goal: f64,
     /// Length of the last step; 0 before the first.
     last_length: f64,
     /// Bodies that the last step left behind; empty if it left none.
@@ -67,11 +66,10 @@ struct Elimination<'a> {
     is_done: bool,
 }
 
-impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
-    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool {
+impl<const F: usize> Between<F> for Elimination<'_> {
+    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<F>) -> bool {
         let is_first = !std::mem::replace(&mut self.is_done, true);
-        let is_short = point.unbalance > self.settings.min_unbalance * point.force
-            && self.last_length < self.settings.short_step;
+        let is_short = self.last_length < self.settings.short_step;
         let moved =
             is_first && (is_short || !self.fast.is_empty()) && self.eliminate(program, point);
         if !moved {
@@ -83,7 +81,7 @@ impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
     fn change_step(
         &mut self,
         program: &Scaled,
-        point: &Point<S, F>,
+        point: &Point<F>,
         step: &mut Step<F>,
         search: &LineSearchSettings,
     ) {
@@ -105,11 +103,7 @@ impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
 impl Elimination<'_> {
     /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
     /// moved.
-    fn eliminate<S: Elastic<F>, const F: usize>(
-        &self,
-        program: &Scaled,
-        point: &mut Point<S, F>,
-    ) -> bool {
+    fn eliminate<const F: usize>(&self, program: &Scaled, point: &mut Point<F>) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let n = program.free.len();
         let unbalance: Vec<f64> = point.gradient[..n].iter().map(of_body).collect();
@@ -117,16 +111,10 @@ impl Elimination<'_> {
         let settings = self.settings;
         let is_seed =
             |i: usize| unbalance[i] > settings.share * maximum || self.fast.get(i) == Some(&true);
-        let patches = Patches::new(program, &self.adjacency, settings, &point.e).grow(is_seed);
-        let goal = Goal { relative: settings.goal, absolute: settings.residual * maximum };
-        let solutions = patch::balance_all::<S, F>(
-            program,
-            &self.adjacency,
-            settings,
-            &patches,
-            &point.u,
-            goal,
-        );
+        let patches = Patches::new(program, &self.adjacency, settings).grow(is_seed);
+        let goal = Goal { relative: self.goal, absolute: settings.residual * maximum };
+        let solutions =
+            patch::balance_all::<F>(program, &self.adjacency, settings, &patches, &point.u, goal);
         let mut moved = false;
         for (i, u) in solutions {
             point.u[i] = u;

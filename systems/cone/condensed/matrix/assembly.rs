@@ -1,6 +1,6 @@
 //! Adds blocks of bodies and pairs to the values of the matrix.
 
-use super::pattern::{DIAGONAL, PAIR};
+use super::cholesky::{DIAGONAL, PAIR};
 use crate::condensed::images::Images;
 
 /// Place of a pair (a, b) in the values of the matrix.

@@ -4,13 +4,48 @@
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};
 use super::merge::{Group, NONE, columns, merge};
+use super::ordering::{minimum_degree, places};
 use super::schedule::parents;
 use super::tasks::cut;
 use crate::adjacency::Adjacency;
 
+/// The place of a pair of bodies.
+pub struct Placed {
+    /// Its number.
+    pub pair: u32,
+    /// Places of its bodies in the order of elimination.
+    pub places: [u32; 2],
+    /// Their places among the pivots and rows of the front.
+    pub rows: [u32; 2],
+}
+
+/// The fronts of `bodies` bodies coupled by `pairs`, and the pairs of every front: those whose first
+/// body in the order of elimination is a pivot of it. `None` if faer finds no order.
+pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<Vec<Placed>>)> {
+    let neighbours = Adjacency::of_neighbours(bodies, pairs);
+    let fronts = fronts(&minimum_degree(&neighbours)?, &neighbours);
+    let place = places(&fronts.order);
+    let mut of_place = vec![(0, 0); bodies];
+    for (task, of_task) in fronts.tasks.iter().enumerate() {
+        for number in of_task.fronts.clone() {
+            let pivots = fronts.list[number].pivots.clone();
+            of_place[of_task.places.start..][pivots].fill((task, number));
+        }
+    }
+    let mut placed: Vec<Vec<Placed>> = fronts.list.iter().map(|_| Vec::new()).collect();
+    for (pair, (a, b)) in (0..).zip(pairs) {
+        let places = [*a, *b].map(|i| place[i as usize]);
+        let (task, number) = of_place[places[0].min(places[1])];
+        let rows = fronts.in_front(&fronts.tasks[task], &fronts.list[number], places);
+        let [places, rows] = [places, rows].map(|places| places.map(|place| place as u32));
+        placed[number].push(Placed { pair, places, rows });
+    }
+    Some((fronts, placed))
+}
+
 /// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
 /// same fill.
-pub fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
+fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     let n = order.len();
     let (column_rows, above) = columns(order, neighbours);
     let (column_rows, groups) = (&column_rows[..], &merge(&column_rows, &above)[..]);

@@ -8,39 +8,32 @@
 //! 005).
 
 mod assembly;
+mod cholesky;
 mod dense;
+mod factor;
 mod fronts;
 mod layout;
 mod lu;
+mod lu_fronts;
 mod merge;
-mod numeric;
 mod ordering;
 mod packed;
-mod pattern;
 mod schedule;
 mod share;
 mod tasks;
 mod unsymmetric;
-mod updates;
-mod work;
 
 use std::ops::Range;
 
-use pulp::Arch;
-
 pub use self::assembly::Assembly;
 use self::assembly::PairPlace;
-use self::numeric::{Backward, Current, Eliminate, Forward, Part};
+use self::cholesky::{Cholesky, DIAGONAL, PAIR, Pattern};
+use self::factor::Factor;
+use self::layout::Placed;
 pub(super) use self::ordering::places;
-use self::pattern::{DIAGONAL, PAIR, Pattern};
-use self::schedule::{downward, upward};
-use self::share::dispatch;
 pub use self::unsymmetric::UnsymmetricMatrix;
-use self::updates::factorise;
-use self::work::{copy_from_above, gather_below};
 use super::images::Images;
-use super::parallel::{Lent, split};
-use crate::adjacency::Adjacency;
+use super::parallel::split;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
 /// round-off, and more where that is not enough.
@@ -55,56 +48,34 @@ pub struct BodyMatrix {
     /// Places of the pairs, in the order given.
     pairs: Vec<PairPlace>,
     pattern: Pattern,
-    parts: Vec<Part>,
-    current: Lent<Current>,
-    updates: Lent<Vec<f64>>,
+    factor: Factor<Cholesky>,
     images: Images,
-    instructions: Arch,
 }
 
 impl BodyMatrix {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let neighbours = Adjacency::of_neighbours(bodies, pairs);
-        let order = ordering::minimum_degree(&neighbours)?;
-        let fronts = layout::fronts(&order, &neighbours);
-
-        let place = places(&fronts.order);
-        let mut front_of = vec![0; bodies];
-        for task in &fronts.tasks {
-            for number in task.fronts.clone() {
-                let pivots = fronts.list[number].pivots.clone();
-                front_of[task.places.start..][pivots].fill(number);
-            }
-        }
-        let mut of_front = vec![Vec::new(); fronts.list.len()];
-        for (number, &(a, b)) in pairs.iter().enumerate() {
-            let (a, b) = (place[a as usize], place[b as usize]);
-            of_front[front_of[a.min(b)]].push((number, a, b));
-        }
+        let (fronts, placed) = layout::of_pairs(bodies, pairs)?;
         let mut diagonal = Vec::with_capacity(bodies);
         let mut places = vec![PairPlace::default(); pairs.len()];
         let mut targets = Vec::with_capacity(pairs.len());
         let mut target_starts = Vec::with_capacity(fronts.list.len() + 1);
         let mut starts = Vec::with_capacity(fronts.list.len() + 1);
         let mut start = 0;
-        for task in &fronts.tasks {
-            for number in task.fronts.clone() {
-                let front = &fronts.list[number];
-                starts.push(start);
-                target_starts.push(targets.len());
-                for _ in front.pivots.clone() {
-                    diagonal.push(start);
-                    start += DIAGONAL;
-                }
-                for &(pair, a, b) in &of_front[number] {
-                    let bodies = [a as u32, b as u32];
-                    places[pair] = PairPlace { start, forward: a < b, bodies };
-                    start += PAIR;
-                    let [column, row] = fronts.in_front(task, front, [a.min(b), a.max(b)]);
-                    targets.push((3 * column * front.height() + 3 * row) as u32);
-                }
+        for (front, placed) in fronts.list.iter().zip(&placed) {
+            starts.push(start);
+            target_starts.push(targets.len());
+            for _ in front.pivots.clone() {
+                diagonal.push(start);
+                start += DIAGONAL;
+            }
+            for &Placed { pair, places: bodies, rows } in placed {
+                let forward = bodies[0] < bodies[1];
+                places[pair as usize] = PairPlace { start, forward, bodies };
+                start += PAIR;
+                let [column, row] = if forward { rows } else { [rows[1], rows[0]] };
+                targets.push(3 * column * front.height() as u32 + 3 * row);
             }
         }
         starts.push(start);
@@ -113,12 +84,9 @@ impl BodyMatrix {
             values: vec![0.0; start],
             diagonal,
             pairs: places,
-            parts: (0..fronts.tasks.len()).map(|task| Part::new(&fronts, task)).collect(),
-            current: Lent::default(),
-            updates: Lent::default(),
+            factor: Factor::new(&fronts),
             pattern: Pattern { fronts, starts, targets, target_starts },
             images: Images::default(),
-            instructions: Arch::new(),
         })
     }
 
@@ -137,7 +105,7 @@ impl BodyMatrix {
     /// Whether there is work for several threads.
     #[must_use]
     pub fn is_shared(&self) -> bool {
-        self.parts.len() > 1
+        self.factor.is_shared()
     }
 
     /// Number of tasks into which the tree of fronts is cut for several threads.
@@ -210,19 +178,10 @@ impl BodyMatrix {
     /// as it was. `x` is in the order of elimination.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
-        let Self { values, pattern, parts, current, updates, instructions, .. } = self;
-        let fronts = &pattern.fronts;
-        let (right, shared) = (&*x, parts.len() > 1);
-        let definite = factorise(fronts, parts, updates, &|task, below, part| {
-            let work_of = |other: usize| &below[other + below.len() - task].work[..];
-            gather_below(fronts, task, right, work_of, &mut part.work);
-            current.with(|current| {
-                let work = Eliminate { pattern, values, task, part, below, current };
-                dispatch(*instructions, shared, work)
-            })
-        });
+        let Self { values, pattern, factor, .. } = self;
+        let definite = factor.factorise(&pattern.fronts, (pattern, values), Some(x));
         if definite {
-            self.solve_backward(x);
+            factor.backward(&pattern.fronts, x);
         }
         definite
     }
@@ -253,27 +212,8 @@ impl BodyMatrix {
     /// Solves in place with the last factor, after `factorise_and_solve` has returned true. `x` is
     /// in the order of elimination.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
-        let Self { pattern: Pattern { fronts, .. }, parts, current, instructions, .. } = self;
-        let right = &*x;
-        upward(&fronts.sizes, parts, &|task, below, part| {
-            let work_of = |other: usize| &below[other + below.len() - task].work[..];
-            gather_below(fronts, task, right, work_of, &mut part.work);
-            current.with(|current| instructions.dispatch(Forward(fronts, task, part, current)));
-            true
-        });
-        self.solve_backward(x);
-    }
-
-    fn solve_backward(&mut self, x: &mut [[f64; 3]]) {
-        let Self { pattern: Pattern { fronts, .. }, parts, current, instructions, .. } = self;
-        let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
-        let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
-        downward(&fronts.sizes, &mut parts, &|task, above, (part, x)| {
-            if let Some((above, _)) = above {
-                copy_from_above(fronts, task, &above.work, &mut part.work);
-            }
-            current.with(|current| instructions.dispatch(Backward(fronts, task, part, current)));
-            x.copy_from_slice(&part.work[..x.len()]);
-        });
+        let Self { pattern: Pattern { fronts, .. }, factor, .. } = self;
+        factor.forward(fronts, x);
+        factor.backward(fronts, x);
     }
 }

@@ -5,83 +5,45 @@
 //! only, so that the fronts do not depend on the values. This costs accuracy, which the caller
 //! recovers by iterative refinement. The sign of the determinant comes with the factor.
 
-mod factor;
-
-use pulp::Arch;
-
-use self::factor::{Backward, Current, Eliminate, Forward, Part};
+use super::factor::Factor;
 use super::fronts::Fronts;
-use super::ordering::places;
-use super::schedule::{downward, upward};
-use super::share::dispatch;
-use super::updates::factorise;
-use super::work::{copy_from_above, gather_below};
-use super::{layout, ordering};
-use crate::adjacency::Adjacency;
+use super::layout::{self, Placed};
+use super::lu_fronts::{BODY, Lu, PAIR, Values};
 use crate::condensed::images::Images;
-use crate::condensed::parallel::{Lent, in_pool, split};
-
-/// Numbers in the block of a body and in the two blocks of a pair.
-const BODY: usize = 9;
-const PAIR: usize = 18;
+use crate::condensed::parallel::in_pool;
 
 /// The matrix, its factor, and the data that depend on its pattern only.
 pub struct UnsymmetricMatrix {
     fronts: Fronts,
-    /// Blocks of bodies by place, row by row.
+    /// Blocks of bodies by place.
     bodies: Vec<[f64; BODY]>,
-    /// Blocks of pairs: rows of the first body in columns of the second, then the transposed place.
+    /// Blocks of pairs.
     pairs: Vec<[f64; PAIR]>,
     /// Places of the bodies of every pair.
     of_pair: Vec<[u32; 2]>,
-    /// The pairs of every front, with the rows at which their bodies start in it.
-    in_front: Vec<Vec<(u32, [u32; 2])>>,
-    parts: Vec<Part>,
-    current: Lent<Current>,
-    updates: Lent<Vec<f64>>,
+    /// The pairs of every front.
+    placed: Vec<Vec<Placed>>,
+    factor: Factor<Lu>,
     images: Images,
-    instructions: Arch,
 }
 
 impl UnsymmetricMatrix {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let neighbours = Adjacency::of_neighbours(bodies, pairs);
-        let order = ordering::minimum_degree(&neighbours)?;
-        let fronts = layout::fronts(&order, &neighbours);
-        let place = places(&fronts.order);
-        let mut task_of = vec![0; bodies];
-        let mut front_of = vec![0; bodies];
-        for (task, of_task) in fronts.tasks.iter().enumerate() {
-            task_of[of_task.places.clone()].fill(task);
-            for number in of_task.fronts.clone() {
-                let pivots = fronts.list[number].pivots.clone();
-                front_of[of_task.places.start..][pivots].fill(number);
-            }
+        let (fronts, placed) = layout::of_pairs(bodies, pairs)?;
+        let mut of_pair = vec![[0; 2]; pairs.len()];
+        for Placed { pair, places, .. } in placed.iter().flatten() {
+            of_pair[*pair as usize] = *places;
         }
-        let mut in_front = vec![Vec::new(); fronts.list.len()];
-        let mut of_pair = Vec::with_capacity(pairs.len());
-        for (pair, &(a, b)) in pairs.iter().enumerate() {
-            let [a, b] = [a, b].map(|i| place[i as usize]);
-            let first = a.min(b);
-            let (task, number) = (&fronts.tasks[task_of[first]], front_of[first]);
-            let rows = fronts.in_front(task, &fronts.list[number], [a, b]);
-            in_front[number].push((pair as u32, rows.map(|row| 3 * row as u32)));
-            of_pair.push([a as u32, b as u32]);
-        }
-        let parts = (0..fronts.tasks.len()).map(|task| Part::new(&fronts, task)).collect();
         Some(Self {
             bodies: vec![[0.0; BODY]; bodies],
             pairs: vec![[0.0; PAIR]; pairs.len()],
             of_pair,
-            in_front,
+            placed,
+            factor: Factor::new(&fronts),
             fronts,
-            parts,
-            current: Lent::default(),
-            updates: Lent::default(),
             images: Images::default(),
-            instructions: Arch::new(),
         })
     }
 
@@ -154,47 +116,23 @@ impl UnsymmetricMatrix {
     /// Factorises; whether all pivots are finite and none is zero.
     #[must_use]
     pub fn factorise(&mut self) -> bool {
-        let Self { fronts, bodies, pairs, in_front, parts, current, updates, instructions, .. } =
-            self;
-        let shared = parts.len() > 1;
-        in_pool(shared, || {
-            factorise(fronts, parts, updates, &|task, below, part| {
-                current.with(|current| {
-                    let values = (&bodies[..], &pairs[..], &in_front[..]);
-                    let work = Eliminate { fronts, values, task, part, below, current };
-                    dispatch(*instructions, shared, work)
-                })
-            })
-        })
+        let Self { fronts, bodies, pairs, placed, factor, .. } = self;
+        let values = Values { bodies, pairs, placed };
+        in_pool(factor.is_shared(), || factor.factorise(fronts, values, None))
     }
 
     /// Sign of the determinant of the matrix that was factorised last.
     #[must_use]
     pub fn sign(&self) -> f64 {
-        self.parts.iter().map(|part| part.sign).product()
+        self.factor.parts().map(|part| part.sign).product()
     }
 
     /// Solves in place with the last factor; `x` is in the order of elimination.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
-        let Self { fronts, parts, current, instructions, .. } = self;
-        in_pool(parts.len() > 1, || {
-            let right = &*x;
-            upward(&fronts.sizes, parts, &|task, below, part| {
-                let work_of = |other: usize| &below[other + below.len() - task].work[..];
-                gather_below(fronts, task, right, work_of, &mut part.work);
-                current.with(|current| instructions.dispatch(Forward(fronts, task, part, current)));
-                true
-            });
-            let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
-            let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
-            downward(&fronts.sizes, &mut parts, &|task, above, (part, x)| {
-                if let Some((above, _)) = above {
-                    copy_from_above(fronts, task, &above.work, &mut part.work);
-                }
-                current
-                    .with(|current| instructions.dispatch(Backward(fronts, task, part, current)));
-                x.copy_from_slice(&part.work[..x.len()]);
-            });
+        let Self { fronts, factor, .. } = self;
+        in_pool(factor.is_shared(), || {
+            factor.forward(fronts, x);
+            factor.backward(fronts, x);
         });
     }
 }
@@ -286,7 +224,7 @@ mod tests {
                 let mut random = ChaCha8Rng::seed_from_u64(1);
                 let mut uniform = move || random.next_u32() as f64 / f64::from(u32::MAX) - 0.5;
                 let mut matrix = UnsymmetricMatrix::new(bodies, &pairs).unwrap();
-                assert!(matrix.parts.len() > 20);
+                assert!(matrix.fronts.tasks.len() > 20);
                 for place in 0..bodies {
                     (0..3).for_each(|k| matrix.add_diagonal(place, k, 0.1 * uniform()));
                 }
