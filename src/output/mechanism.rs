@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::IncrementStatus;
@@ -9,9 +10,11 @@ use clastic_components::contact::BodyTable;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::OutputError;
 use super::atomic::write_atomic;
 use super::csv_file::Row;
+use super::found::Found;
+use super::run_directory::RunDirectory;
+use super::{OutputError, names};
 use crate::run::key_results::MechanismRecord;
 
 /// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations
@@ -95,4 +98,21 @@ impl Mechanism {
         }
         write_atomic(path, text)
     }
+}
+
+/// System: writes the mechanism, if the increment was the first collapse that has one.
+pub(super) fn write_first(
+    (bodies, observation): (Res<BodyTable>, Res<Observation>),
+    (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
+    mut found: ResMut<Found>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    let mechanism = Mechanism::of(&observation, &bodies, &program, &solution);
+    let Some(mechanism) = mechanism.filter(|of| found.see_mechanism(of.record)) else {
+        return Ok(());
+    };
+    let path = run.path(names::MECHANISM);
+    mechanism.write(&path)?;
+    run.is_fresh(path);
+    Ok(())
 }

@@ -6,7 +6,7 @@ use glam::DVec2;
 use clastic_components::observation::{Measures, StrainMeasure};
 use clastic_components::wall::Wall;
 
-use crate::moment::mesh::triangles;
+use crate::frames::mesh::triangles;
 
 use super::prepared::Prepared;
 use super::snapshot::Snapshot;

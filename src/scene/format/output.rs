@@ -10,7 +10,7 @@ use super::{Scene, Stage};
 pub struct Output {
     /// Number of increments between frames; 0 writes only those of the start, the peak and the end.
     pub frames_every: u32,
-    /// Pictures (SVG) of curves and specimen.
+    /// Charts (SVG) of stress, strain and probes.
     pub plots: bool,
     /// Whether the run writes `report.html`. By default a run does whose scene asks for frames.
     pub report: Option<bool>,
