@@ -17,7 +17,7 @@
 
 mod files;
 pub(crate) mod mesh;
-mod pairs;
+pub(crate) mod pairs;
 mod strains;
 mod tables;
 mod take;
