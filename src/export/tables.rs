@@ -303,7 +303,10 @@ mod tests {
         assert!(
             rows.next().is_some_and(|header| header.starts_with("x1_m,y1_m,x2_m,y2_m,a,b,bond"))
         );
-        assert!(rows.nth(1).is_some_and(|row| row.starts_with("2.0,1.0,2.0,0.0,1,7,-1,2.0,1.0,0.0,0.0,")));
+        assert!(
+            rows.nth(1)
+                .is_some_and(|row| row.starts_with("2.0,1.0,2.0,0.0,1,7,-1,2.0,1.0,0.0,0.0,"))
+        );
         assert!(csv(&bodies).starts_with("x_m,y_m,id,radius_m,displacement_x_m,displacement_y_m,"));
     }
 

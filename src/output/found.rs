@@ -40,7 +40,6 @@ impl Found {
     }
 
     /// Whether a mechanism was recorded.
-    #[must_use]
     pub fn has_mechanism(&self) -> bool {
         self.mechanism.is_some()
     }
@@ -52,7 +51,6 @@ impl Found {
     }
 
     /// Adds these results to those of the run. `pours` says whether grains pour in.
-    #[must_use]
     pub fn complete(&self, mut results: Results, pours: bool) -> Results {
         if self.porosity.is_some() {
             results.not_defined.remove("porosity");

@@ -47,7 +47,6 @@ pub struct Mechanism {
 impl Mechanism {
     /// Mechanism of the last increment; `None` if it did not collapse, or if the collapse has no
     /// certificate.
-    #[must_use]
     pub fn of(
         observation: &Observation,
         bodies: &BodyTable,
@@ -83,9 +82,6 @@ impl Mechanism {
     }
 
     /// Writes it as CSV.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = COLUMNS.join(",") + "\n";
         for row in &self.rows {

@@ -32,7 +32,7 @@
 //! when it is complete. Output reads the world and changes no number of the simulation.
 
 pub mod atomic;
-pub mod avalanches;
+pub(crate) mod avalanches;
 mod begin;
 pub mod checkpoint;
 mod corners;
@@ -41,26 +41,26 @@ pub mod directory;
 pub mod drive;
 pub mod dump;
 mod error;
-pub mod events;
+pub(crate) mod events;
 mod finish;
-pub mod found;
+pub(crate) mod found;
 pub mod frames;
 mod hashing_writer;
 pub mod history;
 pub mod marks;
-pub mod mechanism;
+pub(crate) mod mechanism;
 mod names;
 mod pictures;
 pub mod plots;
 mod plugin;
-pub mod porosity;
-pub mod prepared;
+pub(crate) mod porosity;
+pub(crate) mod prepared;
 #[cfg(feature = "report")]
-pub mod report;
-pub mod run_directory;
+pub(crate) mod report;
+pub(crate) mod run_directory;
 pub mod run_record;
 mod save;
-pub mod snapshot;
+pub(crate) mod snapshot;
 mod states;
 pub mod timings;
 pub mod view;

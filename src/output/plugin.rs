@@ -11,9 +11,7 @@ use super::found::Found;
 use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, is_last_increment, keep_last, save};
-use super::{
-    OutputError, dump, events, frames, history, mechanism, states, timings, wanted,
-};
+use super::{OutputError, dump, events, frames, history, mechanism, states, timings, wanted};
 use crate::run::key_results::is_undecided;
 use crate::run::plugin::{BeginStage, EndStage, StageSystems};
 use crate::run::save::SavedStates;

@@ -51,7 +51,6 @@ impl Prepared {
     }
 
     /// The specimen as it is now.
-    #[must_use]
     fn now(particles: &Particles, bodies: &BodyTable, materials: &Materials) -> Self {
         Self {
             rows: frames::specimen_rows(bodies, materials),

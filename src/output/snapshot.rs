@@ -25,7 +25,6 @@ pub struct Snapshot {
 
 impl Snapshot {
     /// Total area of the disks, m^2.
-    #[must_use]
     pub fn area(&self) -> f64 {
         self.radii.iter().map(|r| std::f64::consts::PI * r * r).sum()
     }
@@ -50,14 +49,12 @@ pub struct Particles<'w, 's> {
 
 impl Particles<'_, '_> {
     /// Takes a snapshot. The [`BodyTable`] must be up to date, as it is after an increment.
-    #[must_use]
     pub fn snapshot(&self) -> Snapshot {
         let bodies = &*self.bodies;
         let n = bodies.particles;
         let motion = |i: usize| self.motions.get(bodies.entities[i]).ok();
-        let moved = |i: usize| {
-            motion(i).map_or(DVec2::ZERO, |(_, origin)| bodies.positions[i] - origin.0)
-        };
+        let moved =
+            |i: usize| motion(i).map_or(DVec2::ZERO, |(_, origin)| bodies.positions[i] - origin.0);
         Snapshot {
             ids: bodies.ids[..n].iter().map(|id| id.0).collect(),
             positions: bodies.positions[..n].to_vec(),

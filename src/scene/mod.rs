@@ -7,23 +7,23 @@
 //! the first mistake.
 
 mod coincident;
-pub mod diagnostic;
+pub(crate) mod diagnostic;
 mod dialect;
-pub mod edited;
+pub(crate) mod edited;
 pub(crate) mod files;
 pub mod format;
 mod limits;
-pub mod load;
+pub(crate) mod load;
 pub mod memory;
-pub mod one_round;
-pub mod overrides;
+pub(crate) mod one_round;
+pub(crate) mod overrides;
 mod reader;
 mod repeats;
-pub mod shipped;
-pub mod shown;
-pub mod specimen_file;
+pub(crate) mod shipped;
+pub(crate) mod shown;
+pub(crate) mod specimen_file;
 mod stored;
-pub mod stored_state;
+pub(crate) mod stored_state;
 #[cfg(test)]
 mod tests;
 mod unique_keys;

@@ -9,13 +9,13 @@
 //! again, whichever study asks for it, and a study can be extended.
 
 mod combinations;
-pub mod format;
-pub mod means;
+pub(crate) mod format;
+pub(crate) mod means;
 mod ordered;
-pub mod plan;
-pub mod planned;
+pub(crate) mod plan;
+pub(crate) mod planned;
 pub mod strength;
-pub mod table;
+pub(crate) mod table;
 
 pub use format::{Study, StudyError};
 pub use plan::plan;

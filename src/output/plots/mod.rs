@@ -2,11 +2,11 @@
 //! the content of the file. Only a build with the feature `plots` draws pictures.
 
 pub mod chart;
-pub mod compare;
-pub mod force_displacement;
+pub(crate) mod compare;
+pub(crate) mod force_displacement;
 pub mod history;
-pub mod strength;
-pub mod stress_strain;
+pub(crate) mod strength;
+pub(crate) mod stress_strain;
 
 use std::path::Path;
 
