@@ -56,7 +56,7 @@ mod plugin;
 pub(crate) mod porosity;
 pub(crate) mod prepared;
 #[cfg(feature = "report")]
-pub(crate) mod report;
+pub mod report;
 pub(crate) mod run_directory;
 pub mod run_record;
 mod save;

@@ -9,21 +9,21 @@
 mod coincident;
 pub(crate) mod diagnostic;
 mod dialect;
-pub(crate) mod edited;
+pub mod edited;
 pub(crate) mod files;
 pub mod format;
 mod limits;
 pub(crate) mod load;
 pub mod memory;
-pub(crate) mod one_round;
-pub(crate) mod overrides;
+pub mod one_round;
+pub mod overrides;
 mod reader;
 mod repeats;
-pub(crate) mod shipped;
-pub(crate) mod shown;
-pub(crate) mod specimen_file;
+pub mod shipped;
+pub mod shown;
+pub mod specimen_file;
 mod stored;
-pub(crate) mod stored_state;
+pub mod stored_state;
 #[cfg(test)]
 mod tests;
 mod unique_keys;

@@ -9,13 +9,13 @@
 //! again, whichever study asks for it, and a study can be extended.
 
 mod combinations;
-pub(crate) mod format;
-pub(crate) mod means;
+pub mod format;
+pub mod means;
 mod ordered;
-pub(crate) mod plan;
-pub(crate) mod planned;
+pub mod plan;
+pub mod planned;
 pub mod strength;
-pub(crate) mod table;
+pub mod table;
 
 pub use format::{Study, StudyError};
 pub use plan::plan;

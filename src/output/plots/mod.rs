@@ -2,10 +2,10 @@
 //! the content of the file. Only a build with the feature `plots` draws pictures.
 
 pub mod chart;
-pub(crate) mod compare;
+pub mod compare;
 pub(crate) mod force_displacement;
 pub mod history;
-pub(crate) mod strength;
+pub mod strength;
 pub(crate) mod stress_strain;
 
 use std::path::Path;
