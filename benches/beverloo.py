@@ -56,7 +56,7 @@ def scene(opening, increments, seed, law):
         Load(name: "settle", increments: {SETTLE}),
         Load(name: "flow", increments: {increments}, remove_walls: ["plate"]),
     ],
-    output: (frames_every: {EVERY}, plots: false, report: false),
+    output: (frames_every: {EVERY}, plots: false),
 )
 """
 

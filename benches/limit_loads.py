@@ -42,7 +42,7 @@ SAND = """(
         (name: "axial_stress", of: Stress(Average(component: Yy, area: Cell))),
         (name: "lateral_stress", of: Stress(Average(component: Xx, area: Cell))),
     ],
-    output: (plots: false, report: false),
+    output: (plots: false),
 )
 """
 WALL = {

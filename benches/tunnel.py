@@ -44,7 +44,7 @@ BLOCK = """(
         (name: "axial_stress", of: Stress(Walls(walls: ["top"], length: Between("left", "right")))),
         (name: "lateral_stress", of: Stress(Walls(walls: ["right"], length: Between("bottom", "top")))),
     ],
-    output: (plots: false, report: false),
+    output: (plots: false),
 )
 """
 

@@ -45,7 +45,6 @@ pub mod cli;
 pub mod export;
 pub mod frames;
 mod history_columns;
-pub mod moment;
 pub mod output;
 pub mod run;
 pub mod saved;

@@ -185,19 +185,19 @@ class Run:
 
     def _repr_html_(self) -> str:
         """Picture and key results, for a notebook."""
+        from base64 import b64encode
         from html import escape
 
-        picture = self.path / "specimen.svg"
-        svg = picture.read_text() if picture.exists() else ""
+        image = b64encode(self._repr_png_()).decode()
         rows = "".join(
             f"<tr><td>{escape(name)}</td><td>{value:.6g}</td></tr>"
             for name, value in self.results.items()
             if isinstance(value, float)
         )
         head = f"<b>{escape(self.title)}</b>: {escape(self.status)}"
-        return f"<div>{head}<table>{rows}</table><div style='max-width:40em'>{svg}</div></div>"
+        return f"<div>{head}<table>{rows}</table><img style='max-width:40em' src='data:image/png;base64,{image}'></div>"
 
-    def _repr_png_(self) -> bytes | None:
+    def _repr_png_(self) -> bytes:
         """Picture of the specimen at the end, for a notebook that shows no HTML."""
         from . import figures
 

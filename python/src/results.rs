@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use clastic::moment::{Disk, Moment, fields};
+use clastic::frames::{self, Disk, Strain};
 use clastic::output::directory;
 use clastic::output::drive::Drive;
 use clastic::output::marks::marks as marks_of;
@@ -23,7 +23,7 @@ type Disks<'py> = (
     PyReadonlyArray2<'py, f64>,
 );
 
-fn moment((ids, places, radii, moved): &Disks) -> PyResult<Moment> {
+fn disks((ids, places, radii, moved): &Disks) -> PyResult<Vec<Disk>> {
     let (ids, places) = (ids.as_slice()?, places.as_array());
     let (radii, moved) = (radii.as_slice()?, moved.as_array());
     let n = ids.len();
@@ -35,9 +35,8 @@ fn moment((ids, places, radii, moved): &Disks) -> PyResult<Moment> {
         position: DVec2::new(places[[k, 0]], places[[k, 1]]),
         radius: radii[k],
         displacement: DVec2::new(moved[[k, 0]], moved[[k, 1]]),
-        ..Disk::default()
     };
-    Ok(Moment { disks: (0..n).map(disk).collect(), ..Moment::default() })
+    Ok((0..n).map(disk).collect())
 }
 
 /// Volumetric and maximum shear strain of every disk between two frames, an array (n, 2). Not a
@@ -48,9 +47,9 @@ pub fn strains<'py>(
     now: Disks<'py>,
     from: Disks<'py>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let strains = fields::strains(&moment(&now)?, &moment(&from)?);
+    let strains = frames::strains(&disks(&now)?, &disks(&from)?);
     let n = strains.len();
-    let pair = |strain: Option<fields::Strain>| {
+    let pair = |strain: Option<Strain>| {
         strain.map_or([f64::NAN; 2], |strain| [strain.volumetric, strain.shear])
     };
     shaped(py, strains.into_iter().flat_map(pair).collect(), &[n, 2])

@@ -1,35 +1,35 @@
 //! Frames for other programs: VTK XML for ParaView, and CSV. `docs/export.md` has the fields.
 
 mod tables;
-pub mod vtp;
+mod vtp;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::moment::{Moment, MomentError};
+use crate::frames::Frame;
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 
 /// Kinds of files, one of each for every frame.
 pub const KINDS: [&str; 6] = ["bodies", "contacts", "bonds", "walls", "cracks", "membranes"];
 
-/// Writes the moments of a run as VTK files, and a series for ParaView (`.pvd`) for each kind.
+/// Writes the frames of a run as VTK files, and a series for ParaView (`.pvd`) for each kind.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn vtk(moments: &[Moment], folder: &Path) -> Result<(), MomentError> {
+pub fn vtk(frames: &[Frame], folder: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
-    let times = times(moments);
+    let times = times(frames);
     let mut series = KINDS.map(|_| String::new());
-    for (moment, time) in moments.iter().zip(&times) {
-        let all = tables::of(moment);
+    for (frame, time) in frames.iter().zip(&times) {
+        let all = tables::of(frame);
         for ((kind, data), series) in KINDS.into_iter().zip(all).zip(&mut series) {
-            let name = file(kind, moment.increment, "vtp");
+            let name = file(kind, frame.increment, "vtp");
             *series += &format!(
                 "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{}\"/>\n",
                 name.display()
             );
-            write_atomic(&folder.join(&name), data.encode(*time, moment.cell))?;
+            write_atomic(&folder.join(&name), data.encode(*time, frame.cell_m))?;
         }
     }
     for (kind, series) in KINDS.into_iter().zip(series) {
@@ -42,15 +42,15 @@ pub fn vtk(moments: &[Moment], folder: &Path) -> Result<(), MomentError> {
     Ok(())
 }
 
-/// Writes the moments of a run as CSV files.
+/// Writes the frames of a run as CSV files.
 ///
 /// # Errors
 /// If a file cannot be written.
-pub fn csv(moments: &[Moment], folder: &Path) -> Result<(), MomentError> {
+pub fn csv(frames: &[Frame], folder: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
-    for moment in moments {
-        for (kind, data) in KINDS.into_iter().zip(tables::of(moment)) {
-            let path = folder.join(file(kind, moment.increment, "csv"));
+    for frame in frames {
+        for (kind, data) in KINDS.into_iter().zip(tables::of(frame)) {
+            let path = folder.join(file(kind, frame.increment, "csv"));
             write_atomic(&path, tables::csv(&data))?;
         }
     }
@@ -62,8 +62,8 @@ fn file(kind: &str, increment: u64, ending: &str) -> PathBuf {
 }
 
 /// Times of a series: s, or numbers of increments where time does not pass.
-fn times(moments: &[Moment]) -> Vec<f64> {
-    let passes = moments.windows(2).any(|pair| pair[0].time < pair[1].time);
-    let time = |moment: &Moment| if passes { moment.time } else { moment.increment as f64 };
-    moments.iter().map(time).collect()
+fn times(frames: &[Frame]) -> Vec<f64> {
+    let passes = frames.windows(2).any(|pair| pair[0].time_s < pair[1].time_s);
+    let time = |frame: &Frame| if passes { frame.time_s } else { frame.increment as f64 };
+    frames.iter().map(time).collect()
 }

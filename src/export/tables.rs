@@ -1,51 +1,45 @@
-//! The files of a moment as points and lines with fields.
+//! The files of a frame as points and lines with fields.
 
 use glam::DVec2;
 
-use clastic_components::bond::RuptureMode;
+use clastic_components::cell;
 
 use super::vtp::{Field, PolyData, Values};
-use crate::moment::{Disk, Moment};
+use crate::frames::{Frame, NONE};
 
 /// Bodies, contacts, bonds, walls, cracks and membranes, in the order of [`super::KINDS`].
-pub fn of(moment: &Moment) -> [PolyData; 6] {
-    [
-        bodies(moment),
-        contacts(moment),
-        bonds(moment),
-        walls(moment),
-        cracks(moment),
-        membranes(moment),
-    ]
+pub fn of(frame: &Frame) -> [PolyData; 6] {
+    [bodies(frame), contacts(frame), bonds(frame), walls(frame), cracks(frame), membranes(frame)]
 }
 
-fn flat(v: DVec2) -> [f64; 3] {
-    [v.x, v.y, 0.0]
-}
-
-fn bodies(moment: &Moment) -> PolyData {
-    let disks = &moment.disks;
-    let numbers = |of: &dyn Fn(&Disk) -> f64| Values::Scalars(disks.iter().map(of).collect());
-    let vectors = |of: &dyn Fn(&Disk) -> DVec2| {
-        Values::Vectors(disks.iter().map(|disk| flat(of(disk))).collect())
+fn bodies(frame: &Frame) -> PolyData {
+    let bodies = &frame.bodies;
+    let numbers = |of: &[f32]| Values::Scalars(of.iter().map(|x| f64::from(*x)).collect());
+    let vectors = |of: &[[f32; 2]]| {
+        Values::Vectors(of.iter().map(|[x, y]| [f64::from(*x), f64::from(*y), 0.0]).collect())
     };
-    let counts = |of: &dyn Fn(&Disk) -> u32| {
-        Values::Counts(disks.iter().map(|disk| of(disk).into()).collect())
+    let counts = |of: &[u32]| Values::Counts(of.iter().map(|x| i64::from(*x)).collect());
+    let stress = |k: usize| {
+        Values::Scalars(bodies.stress_pa.iter().map(|stress| f64::from(stress[k])).collect())
+    };
+    let point = |row: usize| {
+        let [x, y] = frame.centre(row);
+        [x, y, 0.0]
     };
     PolyData {
-        points: disks.iter().map(|disk| flat(disk.position)).collect(),
+        points: (0..bodies.id.len()).map(point).collect(),
         of_points: vec![
-            ("id", counts(&|disk| disk.id)),
-            ("radius_m", numbers(&|disk| disk.radius)),
-            ("displacement_m", vectors(&|disk| disk.displacement)),
-            ("rotation_rad", numbers(&|disk| disk.rotation)),
-            ("velocity_m_s", vectors(&|disk| disk.velocity)),
-            ("angular_velocity_rad_s", numbers(&|disk| disk.spin)),
-            ("material", counts(&|disk| disk.material)),
-            ("stress_xx_pa", numbers(&|disk| disk.stress[0])),
-            ("stress_yy_pa", numbers(&|disk| disk.stress[1])),
-            ("stress_xy_pa", numbers(&|disk| disk.stress[2])),
-            ("fragment", counts(&|disk| disk.fragment)),
+            ("id", counts(&bodies.id)),
+            ("radius_m", numbers(&bodies.radius_m)),
+            ("displacement_m", vectors(&bodies.displacement_m)),
+            ("rotation_rad", numbers(&bodies.rotation_rad)),
+            ("velocity_m_s", vectors(&bodies.velocity_m_s)),
+            ("angular_velocity_rad_s", numbers(&bodies.angular_velocity_rad_s)),
+            ("material", counts(&bodies.material)),
+            ("stress_xx_pa", stress(0)),
+            ("stress_yy_pa", stress(1)),
+            ("stress_xy_pa", stress(2)),
+            ("fragment", counts(&bodies.fragment)),
         ],
         ..Default::default()
     }
@@ -79,28 +73,52 @@ impl Lines {
     }
 }
 
-/// From the centre of a to that of b, or to the nearest point of a wall.
-fn contacts(moment: &Moment) -> PolyData {
-    let mut lines = Lines::default();
-    for pair in &moment.pairs {
-        let ends = moment.disk(pair.a).zip(moment.far_end(pair.a, pair.b));
-        if let Some((a, far)) = ends {
-            let force = pair.normal_force * pair.normal + pair.shear_force * pair.normal.perp();
-            lines.push(
-                [a.position, far],
-                &[pair.a.into(), pair.b.into(), pair.bond.map_or(-1, i64::from)],
-                &[
-                    pair.normal_force,
-                    pair.shear_force,
-                    pair.moment,
-                    pair.gap,
-                    pair.normal.x,
-                    pair.normal.y,
-                    force.x,
-                    force.y,
-                ],
-            );
-        }
+/// End of a line from disk `a` to body `b`, m: the centre of a disk, the nearest point of a wall. In
+/// a periodic cell it is the centre of the image that is nearest to `a`.
+fn far_end(frame: &Frame, a: usize, b: u32) -> Option<DVec2> {
+    let from = DVec2::from(frame.centre(a));
+    let Some(row) = frame.row(b) else { return foot(frame, from, b) };
+    let to = DVec2::from(frame.centre(row));
+    Some(to + frame.cell_m.map_or(DVec2::ZERO, |cell| cell::shift(cell, to - from)))
+}
+
+/// Point of a wall that is nearest to a point, m.
+fn foot(frame: &Frame, point: DVec2, wall: u32) -> Option<DVec2> {
+    let feet = pieces(frame).filter(|(row, _)| frame.walls.id[*row] == wall);
+    let feet = feet.map(|(row, [start, end])| {
+        let along = end - start;
+        let share = (point - start).dot(along) / along.length_squared();
+        start + along * if frame.walls.is_thin[row] { share.clamp(0.0, 1.0) } else { share }
+    });
+    feet.min_by(|x, y| x.distance(point).total_cmp(&y.distance(point)))
+}
+
+/// The straight pieces of the walls with the rows of these.
+fn pieces(frame: &Frame) -> impl Iterator<Item = (usize, [DVec2; 2])> + '_ {
+    (0..frame.walls.id.len()).flat_map(|row| {
+        let line = frame.wall_line(row);
+        line.windows(2).map(move |ends| (row, [ends[0].into(), ends[1].into()]))
+    })
+}
+
+/// Every pair that carries force: from the centre of a to that of b, or to the nearest point of a
+/// wall.
+fn contacts(frame: &Frame) -> PolyData {
+    let (pairs, mut lines) = (&frame.pairs, Lines::default());
+    for k in 0..pairs.a.len() {
+        let [p, q, tau] = [pairs.p_n[k], pairs.q_n[k], pairs.tau_nm[k]].map(f64::from);
+        let Some(row) = frame.row(pairs.a[k]).filter(|_| p != 0.0 || q != 0.0 || tau != 0.0) else {
+            continue;
+        };
+        let Some(far) = far_end(frame, row, pairs.b[k]) else { continue };
+        let normal = DVec2::from_angle(pairs.angle_rad[k].into());
+        let force = p * normal + q * normal.perp();
+        let bond = Some(pairs.bond[k]).filter(|bond| pairs.state[k] == 1 && *bond != NONE);
+        lines.push(
+            [frame.centre(row).into(), far],
+            &[pairs.a[k].into(), pairs.b[k].into(), bond.map_or(-1, i64::from)],
+            &[p, q, tau, pairs.gap_m[k].into(), normal.x, normal.y, force.x, force.y],
+        );
     }
     lines.named(
         &["a", "b", "bond"],
@@ -108,49 +126,69 @@ fn contacts(moment: &Moment) -> PolyData {
     )
 }
 
-/// Number of a state: 0 intact, broken in 1 tension, 2 shear, 3 rolling.
-fn number(broken: Option<RuptureMode>) -> i64 {
-    match broken {
-        None => 0,
-        Some(RuptureMode::Tension) => 1,
-        Some(RuptureMode::Shear) => 2,
-        Some(RuptureMode::Rolling) => 3,
-    }
+/// Rows of the bonds, intact or broken, whose bodies are there, by identity: bond, rows of the pair
+/// and of the disk a, and the end of the line to b.
+fn of_bonds(frame: &Frame) -> Vec<(u32, usize, usize, DVec2)> {
+    let pairs = &frame.pairs;
+    let rows = (0..pairs.a.len()).filter(|k| pairs.bond[*k] != NONE);
+    let bond = |k: usize| {
+        let a = frame.row(pairs.a[k])?;
+        Some((pairs.bond[k], k, a, far_end(frame, a, pairs.b[k])?))
+    };
+    let mut bonds: Vec<_> = rows.filter_map(bond).collect();
+    bonds.sort_unstable_by_key(|(id, ..)| *id);
+    bonds
 }
 
-fn bonds(moment: &Moment) -> PolyData {
-    let mut lines = Lines::default();
-    for bond in &moment.bonds {
-        if let Some((a, far)) = moment.disk(bond.a).zip(moment.far_end(bond.a, bond.b)) {
-            let ids = [bond.id, bond.a, bond.b].map(i64::from);
-            let [id, a_id, b_id] = ids;
-            lines.push([a.position, far], &[id, a_id, b_id, number(bond.broken)], &[]);
-        }
+/// States: 0 intact, broken in 1 tension, 2 shear, 3 rolling.
+fn bonds(frame: &Frame) -> PolyData {
+    let (pairs, mut lines) = (&frame.pairs, Lines::default());
+    for (id, k, a, far) in of_bonds(frame) {
+        let state = i64::from(pairs.state[k]) - 1;
+        let counts = [id.into(), pairs.a[k].into(), pairs.b[k].into(), state];
+        lines.push([frame.centre(a).into(), far], &counts, &[]);
     }
     lines.named(&["id", "a", "b", "state"], &[])
 }
 
-fn walls(moment: &Moment) -> PolyData {
-    let mut lines = Lines::default();
-    for piece in &moment.walls {
-        lines.push(piece.ends, &[piece.id.into(), (!piece.is_line).into()], &piece.force);
+fn walls(frame: &Frame) -> PolyData {
+    let (walls, mut lines) = (&frame.walls, Lines::default());
+    for (row, ends) in pieces(frame) {
+        lines.push(ends, &[walls.id[row].into(), walls.is_thin[row].into()], &walls.force[row]);
     }
     lines.named(&["id", "is_thin"], &["force_x_n", "force_y_n", "moment_nm"])
 }
 
-fn cracks(moment: &Moment) -> PolyData {
-    let mut lines = Lines::default();
-    for (bond, crack) in moment.cracks() {
-        lines.push(crack.ends, &[bond.into(), number(Some(crack.mode))], &[]);
+/// Broken bonds as strokes half-way between the two surfaces, at a right angle to the line that
+/// joins the bodies, and as long as the bond was wide: twice the smaller radius, which is the
+/// section that its strength counts (formulation, section 3).
+fn cracks(frame: &Frame) -> PolyData {
+    let (pairs, mut lines) = (&frame.pairs, Lines::default());
+    for (id, k, a, far) in of_bonds(frame).into_iter().filter(|(_, k, ..)| pairs.state[*k] > 1) {
+        let centre = DVec2::from(frame.centre(a));
+        let radius = |row: usize| f64::from(frame.bodies.radius_m[row]);
+        let normal = (far - centre).normalize_or(DVec2::X);
+        let (surface, half) = match frame.row(pairs.b[k]) {
+            Some(b) => (far - radius(b) * normal, radius(a).min(radius(b))),
+            None => (far, radius(a)),
+        };
+        let middle = 0.5 * (centre + radius(a) * normal + surface);
+        let along = half * normal.perp();
+        let mode = i64::from(pairs.state[k]) - 1;
+        lines.push([middle - along, middle + along], &[id.into(), mode], &[]);
     }
     lines.named(&["bond", "mode"], &[])
 }
 
 /// The links of the chains.
-fn membranes(moment: &Moment) -> PolyData {
-    let mut lines = Lines::default();
-    for ends in &moment.membranes {
-        lines.push(*ends, &[], &[]);
+fn membranes(frame: &Frame) -> PolyData {
+    let (chains, mut lines) = (&frame.membranes, Lines::default());
+    for chain in 0..chains.name.len() {
+        let points = &chains.point_m[chains.points(chain)];
+        let back = points.first().filter(|_| chains.is_closed[chain]);
+        for (a, b) in points.iter().zip(points.iter().skip(1).chain(back)) {
+            lines.push([*a, *b].map(DVec2::from), &[], &[]);
+        }
     }
     lines.named(&[], &[])
 }
@@ -201,13 +239,59 @@ pub fn csv(data: &PolyData) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::moment::tests::row_of_three;
+    use crate::frames::{FrameBodies, FrameMembranes, FramePairs, FrameWalls};
+
+    /// Three disks of radius 1 in a row above a floor. The first two are bonded, the other bonds
+    /// are broken: in shear, and from the floor in tension.
+    fn row_of_three() -> Frame {
+        let down = -std::f32::consts::FRAC_PI_2;
+        Frame {
+            bodies: FrameBodies {
+                id: vec![0, 1, 2],
+                offset_m: vec![[0.0, 1.0], [2.0, 1.0], [4.0, 1.0]],
+                radius_m: vec![1.0; 3],
+                displacement_m: vec![[0.0; 2]; 3],
+                rotation_rad: vec![0.0; 3],
+                velocity_m_s: vec![[0.0; 2]; 3],
+                angular_velocity_rad_s: vec![0.0; 3],
+                material: vec![0; 3],
+                group: vec![NONE; 3],
+                stress_pa: vec![[0.0; 3]; 3],
+                fragment: vec![0; 3],
+            },
+            pairs: FramePairs {
+                a: vec![0, 1, 1, 2],
+                b: vec![1, 2, 7, 7],
+                bond: vec![0, 1, NONE, 2],
+                state: vec![1, 3, 0, 2],
+                p_n: vec![2.0, 0.0, 2.0, 0.0],
+                q_n: vec![1.0, 0.0, 1.0, 0.0],
+                tau_nm: vec![0.0; 4],
+                gap_m: vec![0.0; 4],
+                angle_rad: vec![0.0, 0.0, down, down],
+            },
+            walls: FrameWalls {
+                id: vec![7],
+                name: vec!["floor".to_owned()],
+                is_thin: vec![false],
+                force: vec![[0.0; 3]],
+                first_point: vec![0, 2],
+                point_m: vec![[0.0, 0.0], [4.0, 0.0]],
+            },
+            membranes: FrameMembranes {
+                name: vec!["skin".to_owned()],
+                is_closed: vec![false],
+                first_point: vec![0, 2],
+                body: vec![0, 1],
+                point_m: vec![[0.0, 1.0], [2.0, 1.0]],
+            },
+            ..Default::default()
+        }
+    }
 
     #[test]
     fn every_kind_has_its_rows() {
-        let link = [DVec2::new(0.0, 1.0), DVec2::new(2.0, 1.0)];
-        let moment = Moment { membranes: vec![link], ..row_of_three() };
-        let [bodies, contacts, bonds, walls, cracks, membranes] = of(&moment);
+        let [bodies, contacts, bonds, walls, cracks, membranes] = of(&row_of_three());
         let lines = [&contacts, &bonds, &walls, &cracks, &membranes].map(|data| data.lines.len());
         assert_eq!((bodies.points.len(), lines), (3, [2, 3, 1, 2, 1]));
         assert_eq!(membranes.points, [[0.0, 1.0, 0.0], [2.0, 1.0, 0.0]]);
@@ -219,7 +303,34 @@ mod tests {
         assert!(
             rows.next().is_some_and(|header| header.starts_with("x1_m,y1_m,x2_m,y2_m,a,b,bond"))
         );
-        assert_eq!(rows.nth(1), Some("2.0,1.0,2.0,0.0,1,7,-1,2.0,1.0,0.0,0.0,0.0,-1.0,1.0,-2.0"));
+        assert!(
+            rows.nth(1)
+                .is_some_and(|row| row.starts_with("2.0,1.0,2.0,0.0,1,7,-1,2.0,1.0,0.0,0.0,"))
+        );
         assert!(csv(&bodies).starts_with("x_m,y_m,id,radius_m,displacement_x_m,displacement_y_m,"));
+    }
+
+    #[test]
+    fn a_pair_across_the_side_of_a_cell_ends_at_the_near_image() {
+        let mut frame = row_of_three();
+        assert_eq!(far_end(&frame, 0, 2), Some(DVec2::new(4.0, 1.0)));
+        frame.cell_m = Some([6.0, 3.0, 1.0]);
+        assert_eq!(far_end(&frame, 0, 2), Some(DVec2::new(-2.0, 1.0)));
+        assert_eq!(far_end(&frame, 2, 0), Some(DVec2::new(6.0, 1.0)));
+        // One row up the images are moved by the tilt.
+        frame.bodies.offset_m[1] = [1.5, 4.0];
+        assert_eq!(far_end(&frame, 0, 1), Some(DVec2::new(0.5, 1.0)));
+    }
+
+    #[test]
+    fn cracks_lie_across_their_contacts_and_are_as_long_as_the_bonds_are_wide() {
+        let mut frame = row_of_three();
+        let cracks = cracks(&frame);
+        assert_eq!(cracks.points[..2], [[3.0, 0.0, 0.0], [3.0, 2.0, 0.0]]);
+        assert_eq!(cracks.points[2..], [[3.0, 0.0, 0.0], [5.0, 0.0, 0.0]]);
+        frame.bodies.offset_m[2] = [5.5, 1.0];
+        frame.bodies.radius_m[2] = 2.0;
+        let points = super::cracks(&frame).points;
+        assert_eq!(points[..2], [[3.25, 0.0, 0.0], [3.25, 2.0, 0.0]]);
     }
 }

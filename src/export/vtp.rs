@@ -45,7 +45,6 @@ impl PolyData {
 
     /// The file, for a moment in s, with the width, height and tilt of the periodic cell in m, if
     /// there is one.
-    #[must_use]
     pub fn encode(&self, time: f64, cell: Option<[f64; 3]>) -> String {
         let are_lines = !self.lines.is_empty();
         let points = self.points.len();

@@ -16,7 +16,9 @@
 //! ```
 
 mod files;
-mod pairs;
+pub(crate) mod mesh;
+pub(crate) mod pairs;
+mod strains;
 mod tables;
 mod take;
 
@@ -24,6 +26,7 @@ mod take;
 mod tests;
 
 pub use files::{FrameError, list, series};
+pub use strains::{Disk, Strain, strains};
 pub use take::FrameTables;
 
 /// Stands for none in columns of identities and indices.

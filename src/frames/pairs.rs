@@ -63,7 +63,7 @@ pub(super) fn pairs(
 }
 
 /// The contact of two bodies where they are; `None` if one of them is gone.
-fn contact(bodies: &BodyTable, (a, b): (BodyId, BodyId)) -> Option<Contact> {
+pub(crate) fn contact(bodies: &BodyTable, (a, b): (BodyId, BodyId)) -> Option<Contact> {
     let (a, b) = (bodies.row(a)? as u32, bodies.row(b)? as u32);
     if (b as usize) < bodies.particles {
         return Some(pair_contact(bodies, a, b));

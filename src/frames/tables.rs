@@ -2,7 +2,34 @@
 
 use super::files::FrameError;
 use super::{Frame, FrameBodies, FrameMembranes, FramePairs, FrameWalls, NONE, STATES};
-use crate::tables::{Array, TableError, Tables};
+use crate::tables::{Array, Column, TableError, Tables};
+
+/// Columns of a struct as arrays of these names, and back. `[KEY + MORE]` is the number of rows of
+/// the columns that follow: that of the array `KEY`, and so many more.
+macro_rules! columns {
+    ($type:ident, $prefix:literal, $([$key:literal + $more:literal] $($field:ident)*),*) => {
+        impl $type {
+            fn put(&self, tables: &mut Tables) {
+                $($(tables.put(concat!($prefix, ".", stringify!($field)), self.$field.array());)*)*
+            }
+
+            fn read(tables: &Tables) -> Result<Self, TableError> {
+                Ok(Self {$($($field: {
+                    let rows = tables.rows(concat!($prefix, ".", $key))? + $more;
+                    Column::read(tables, concat!($prefix, ".", stringify!($field)), rows)?
+                },)*)*})
+            }
+        }
+    };
+}
+
+columns!(FrameBodies, "bodies", ["id" + 0] id offset_m radius_m displacement_m rotation_rad
+    velocity_m_s angular_velocity_rad_s material group stress_pa fragment);
+columns!(FramePairs, "pairs", ["a" + 0] a b bond state p_n q_n tau_nm gap_m angle_rad);
+columns!(FrameWalls, "walls", ["id" + 0] id name is_thin force, ["id" + 1] first_point,
+    ["point_m" + 0] point_m);
+columns!(FrameMembranes, "membranes", ["name" + 0] name is_closed, ["name" + 1] first_point,
+    ["point_m" + 0] body point_m);
 
 /// First word of the array `format`.
 const FORMAT: &str = "clastic frame";
@@ -11,7 +38,6 @@ const VERSION: &str = "1";
 
 impl Frame {
     /// The frame as arrays.
-    #[must_use]
     pub fn tables(&self) -> Tables {
         let mut tables = Tables::default();
         let mut put = |name: &str, array: Array| tables.put(name, array);
@@ -26,48 +52,14 @@ impl Frame {
         put("cell_m", Array::f64(self.cell_m.unwrap_or_default().to_vec()));
         put("materials.name", Array::text(self.materials.iter().cloned()));
         put("groups.name", Array::text(self.groups.iter().cloned()));
-        let bodies = &self.bodies;
-        put("bodies.id", Array::u32(bodies.id.clone()));
-        put("bodies.offset_m", Array::f32_rows(&bodies.offset_m));
-        put("bodies.radius_m", Array::f32(bodies.radius_m.clone()));
-        put("bodies.displacement_m", Array::f32_rows(&bodies.displacement_m));
-        put("bodies.rotation_rad", Array::f32(bodies.rotation_rad.clone()));
-        put("bodies.velocity_m_s", Array::f32_rows(&bodies.velocity_m_s));
-        put("bodies.angular_velocity_rad_s", Array::f32(bodies.angular_velocity_rad_s.clone()));
-        put("bodies.material", Array::u32(bodies.material.clone()));
-        put("bodies.group", Array::u32(bodies.group.clone()));
-        put("bodies.stress_pa", Array::f32_rows(&bodies.stress_pa));
-        put("bodies.fragment", Array::u32(bodies.fragment.clone()));
-        let pairs = &self.pairs;
-        put("pairs.a", Array::u32(pairs.a.clone()));
-        put("pairs.b", Array::u32(pairs.b.clone()));
-        put("pairs.bond", Array::u32(pairs.bond.clone()));
-        put("pairs.state", Array::u8(pairs.state.clone()));
-        put("pairs.p_n", Array::f32(pairs.p_n.clone()));
-        put("pairs.q_n", Array::f32(pairs.q_n.clone()));
-        put("pairs.tau_nm", Array::f32(pairs.tau_nm.clone()));
-        put("pairs.gap_m", Array::f32(pairs.gap_m.clone()));
-        put("pairs.angle_rad", Array::f32(pairs.angle_rad.clone()));
-        let walls = &self.walls;
-        put("walls.id", Array::u32(walls.id.clone()));
-        put("walls.name", Array::text(walls.name.iter().cloned()));
-        put("walls.is_thin", Array::bool(walls.is_thin.clone()));
-        put("walls.force", Array::vectors(walls.force.iter().copied()));
-        put("walls.first_point", Array::u32(walls.first_point.clone()));
-        put("walls.point_m", Array::vectors(walls.point_m.iter().copied()));
-        let membranes = &self.membranes;
-        put("membranes.name", Array::text(membranes.name.iter().cloned()));
-        put("membranes.is_closed", Array::bool(membranes.is_closed.clone()));
-        put("membranes.first_point", Array::u32(membranes.first_point.clone()));
-        put("membranes.body", Array::u32(membranes.body.clone()));
-        put("membranes.point_m", Array::vectors(membranes.point_m.iter().copied()));
+        self.bodies.put(&mut tables);
+        self.pairs.put(&mut tables);
+        self.walls.put(&mut tables);
+        self.membranes.put(&mut tables);
         tables
     }
 
     /// The frame of arrays.
-    ///
-    /// # Errors
-    /// If they are no frame, or of another version, or contradict each other.
     pub fn from_tables(tables: &Tables) -> Result<Self, FrameError> {
         let format = tables.text("format", &[]).map_or("", |format| format[0].as_str());
         match format.strip_prefix(FORMAT).map(str::trim) {
@@ -94,10 +86,10 @@ impl Frame {
             cell_m: Some([cell[0], cell[1], cell[2]]).filter(|cell| cell[0] > 0.0),
             materials: column("materials.name")?,
             groups: column("groups.name")?,
-            bodies: bodies(tables)?,
-            pairs: pairs(tables)?,
-            walls: walls(tables)?,
-            membranes: membranes(tables)?,
+            bodies: FrameBodies::read(tables)?,
+            pairs: FramePairs::read(tables)?,
+            walls: FrameWalls::read(tables)?,
+            membranes: FrameMembranes::read(tables)?,
         };
         frame.check()?;
         Ok(frame)
@@ -141,64 +133,4 @@ fn from_all(name: &str, first: &[u32], points: usize) -> Result<(), TableError> 
         return Err(TableError::at(name, "does not go from 0 to all points"));
     }
     Ok(())
-}
-
-fn membranes(tables: &Tables) -> Result<FrameMembranes, TableError> {
-    let n = tables.rows("membranes.name")?;
-    let points = tables.rows("membranes.point_m")?;
-    Ok(FrameMembranes {
-        name: tables.text("membranes.name", &[n])?.to_vec(),
-        is_closed: tables.bool("membranes.is_closed", &[n])?.to_vec(),
-        first_point: tables.u32("membranes.first_point", &[n + 1])?.to_vec(),
-        body: tables.u32("membranes.body", &[points])?.to_vec(),
-        point_m: tables.vectors("membranes.point_m", points)?,
-    })
-}
-
-fn bodies(tables: &Tables) -> Result<FrameBodies, TableError> {
-    let n = tables.rows("bodies.id")?;
-    let numbers = |name: &str| Ok::<_, TableError>(tables.f32(name, &[n])?.to_vec());
-    let counts = |name: &str| Ok::<_, TableError>(tables.u32(name, &[n])?.to_vec());
-    Ok(FrameBodies {
-        id: counts("bodies.id")?,
-        offset_m: tables.f32_rows("bodies.offset_m", n)?,
-        radius_m: numbers("bodies.radius_m")?,
-        displacement_m: tables.f32_rows("bodies.displacement_m", n)?,
-        rotation_rad: numbers("bodies.rotation_rad")?,
-        velocity_m_s: tables.f32_rows("bodies.velocity_m_s", n)?,
-        angular_velocity_rad_s: numbers("bodies.angular_velocity_rad_s")?,
-        material: counts("bodies.material")?,
-        group: counts("bodies.group")?,
-        stress_pa: tables.f32_rows("bodies.stress_pa", n)?,
-        fragment: counts("bodies.fragment")?,
-    })
-}
-
-fn pairs(tables: &Tables) -> Result<FramePairs, TableError> {
-    let n = tables.rows("pairs.a")?;
-    let numbers = |name: &str| Ok::<_, TableError>(tables.f32(name, &[n])?.to_vec());
-    let counts = |name: &str| Ok::<_, TableError>(tables.u32(name, &[n])?.to_vec());
-    Ok(FramePairs {
-        a: counts("pairs.a")?,
-        b: counts("pairs.b")?,
-        bond: counts("pairs.bond")?,
-        state: tables.u8("pairs.state", &[n])?.to_vec(),
-        p_n: numbers("pairs.p_n")?,
-        q_n: numbers("pairs.q_n")?,
-        tau_nm: numbers("pairs.tau_nm")?,
-        gap_m: numbers("pairs.gap_m")?,
-        angle_rad: numbers("pairs.angle_rad")?,
-    })
-}
-
-fn walls(tables: &Tables) -> Result<FrameWalls, TableError> {
-    let n = tables.rows("walls.id")?;
-    Ok(FrameWalls {
-        id: tables.u32("walls.id", &[n])?.to_vec(),
-        name: tables.text("walls.name", &[n])?.to_vec(),
-        is_thin: tables.bool("walls.is_thin", &[n])?.to_vec(),
-        force: tables.vectors("walls.force", n)?,
-        first_point: tables.u32("walls.first_point", &[n + 1])?.to_vec(),
-        point_m: tables.vectors("walls.point_m", tables.rows("walls.point_m")?)?,
-    })
 }

@@ -48,7 +48,6 @@ impl Frame {
 
 impl FrameTables<'_, '_> {
     /// Takes a frame. The [`BodyTable`] must be up to date, as they are after an increment.
-    #[must_use]
     pub fn frame(&self) -> Frame {
         let bodies = &*self.bodies;
         let bonds = self.bonds.iter();

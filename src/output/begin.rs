@@ -18,16 +18,15 @@ use super::prepared::{Prepared, PreparedSpecimen};
 use super::run_directory::{RunDirectory, RunOptions, Tables};
 use super::run_record::{CLASTIC_VERSION, Resumed, RunFacts, RunRecord};
 use super::save::{is_last_increment, keep_last, save};
-use super::snapshot::Moments;
 use super::wanted::Wanted;
-use super::{OutputError, ResumeError, directory, events, history, names, plots, states, timings};
+use super::{OutputError, ResumeError, directory, events, history, names, states, timings};
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
 use crate::scene::format::Scene;
 
 /// Begins the output of a scene. `world` is the state before the first stage, and has
 /// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
-/// the run: [`Moments`], [`PreparedSpecimen`], [`CurrentAvalanche`].
+/// the run: [`PreparedSpecimen`], [`CurrentAvalanche`].
 ///
 /// ```
 /// use clastic::output::{self, Ending, OutputPlugin, RunOptions};
@@ -78,11 +77,6 @@ pub fn begin(
     // A world without increments has no tables yet. Gathering them does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let prepared = Prepared::take(world);
-    world.insert_resource(Moments {
-        are_drawn: loaded.scene.output.plots && plots::DRAWN,
-        start: prepared.snapshot.clone(),
-        peak: None,
-    });
     let frames = FrameMoments::take(world, false);
     world.insert_resource(frames);
     world.insert_resource(PreparedSpecimen { waiting: Some(prepared), written: None });
@@ -175,7 +169,6 @@ pub fn resume(
     let _ = world.run_system_cached(gather_bodies);
     let frames = FrameMoments::take(world, has_begun);
     world.insert_resource(frames);
-    world.resource_mut::<Moments>().are_drawn = loaded.scene.output.plots && plots::DRAWN;
     let options = RunOptions {
         directory: directory.to_owned(),
         force: false,
@@ -218,7 +211,7 @@ fn whole_files<'a>(world: &World) -> Vec<&'a str> {
         files.push(names::SPECIMEN);
     }
     if world.resource::<Found>().has_mechanism() {
-        files.extend([names::MECHANISM, plots::MECHANISM]);
+        files.push(names::MECHANISM);
     }
     files
 }

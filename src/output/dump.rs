@@ -37,9 +37,6 @@ pub(super) fn write_if_asked(
 }
 
 /// Reads a dumped program.
-///
-/// # Errors
-/// If the file cannot be read, is no dump of this version, or contains a non-finite number.
 pub fn read_program(path: &Path) -> Result<Dump, OutputError> {
     let text = std::fs::read_to_string(path).map_err(OutputError::at(path))?;
     from_json(&text).map_err(|error| OutputError::at(path)(std::io::Error::other(error)))

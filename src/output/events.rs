@@ -30,7 +30,6 @@ pub const COLUMNS: [&str; 13] = [
 ];
 
 /// The row of a rupture.
-#[must_use]
 pub fn row(rupture: &Rupture, stage: &str) -> Row {
     Row::default()
         .count(rupture.increment)

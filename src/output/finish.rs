@@ -1,4 +1,4 @@
-//! Ends the output of a run: final particles, outcome, key results, pictures.
+//! Ends the output of a run: final particles, outcome, key results, charts.
 
 use bevy_ecs::prelude::*;
 
@@ -7,14 +7,13 @@ use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 
 use super::avalanches::CurrentAvalanche;
-use super::caption::caption;
 use super::drive::PeakForce;
 use super::found::Found;
 use super::prepared::PreparedSpecimen;
 use super::run_directory::RunDirectory;
 use super::run_record::OutcomeRecord;
 use super::save::{save, save_the_end};
-use super::snapshot::{Moments, Snapshot};
+use super::snapshot::Snapshot;
 use super::{OutputError, directory, frames, names, plots, states};
 use crate::run::key_results::{KeyResults, Results};
 use crate::run::sanity;
@@ -75,9 +74,9 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         let results = world.resource::<KeyResults>().results();
         let pours = world.resource::<Script>().scene.stages.iter().any(Stage::pours);
         let results = world.resource::<Found>().complete(results, pours);
-        // The pictures come last, so that the numbers are complete if a picture fails.
+        // The charts come last, so that the numbers are complete if one fails.
         write_record(&mut run, world, ending.outcome(), &results)?;
-        draw(&run, world, &last)?;
+        draw(&run, world)?;
         write_report(&run, world)?;
         if has_ended {
             // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
@@ -128,11 +127,11 @@ fn write_record(
     run.record.write(&path)
 }
 
-/// Writes the page, if the scene asks for it.
+/// Writes the page, if the scene has pictures.
 #[cfg(feature = "report")]
 fn write_report(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
     let scene = &world.resource::<Script>().scene;
-    if !scene.has_report() {
+    if !scene.output.plots {
         return Ok(());
     }
     let named = (scene.title.clone(), run.directory().to_owned());
@@ -145,26 +144,11 @@ fn write_report(_: &RunDirectory, _: &World) -> Result<(), OutputError> {
     Ok(())
 }
 
-fn draw(run: &RunDirectory, world: &World, last: &Snapshot) -> Result<(), OutputError> {
-    let moments = world.resource::<Moments>();
-    if !moments.are_drawn {
+fn draw(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
+    let scene = &world.resource::<Script>().scene;
+    if !(scene.output.plots && plots::DRAWN) {
         return Ok(());
     }
-    let scene = &world.resource::<Script>().scene;
-    let title = &scene.title;
-    let dir = run.directory();
-    let history = plots::history::History::of_run(dir)?;
-    plots::curves(dir, title, &history)?;
-    let caption = caption(world.resource::<Observation>());
-    let peak = moments.peak.as_ref().map(|(snapshot, caption)| (snapshot, caption.as_str()));
-    plots::specimens(
-        dir,
-        title,
-        &moments.start,
-        plots::specimen::Field::of(scene),
-        &[
-            ([plots::SPECIMEN_PEAK, plots::FIELD_PEAK], peak),
-            ([plots::SPECIMEN, plots::FIELD], Some((last, caption.as_str()))),
-        ],
-    )
+    let history = plots::history::History::of_run(run.directory())?;
+    plots::curves(run.directory(), &scene.title, &history)
 }

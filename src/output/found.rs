@@ -59,7 +59,6 @@ impl Found {
     }
 
     /// Whether a mechanism was recorded.
-    #[must_use]
     pub fn has_mechanism(&self) -> bool {
         self.mechanism.is_some()
     }
@@ -71,7 +70,6 @@ impl Found {
     }
 
     /// Adds these results to those of the run. `pours` says whether grains pour in.
-    #[must_use]
     pub fn complete(&self, mut results: Results, pours: bool) -> Results {
         if self.porosity.is_some() {
             results.not_defined.remove("porosity");

@@ -11,13 +11,13 @@ use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
 
 use super::atomic::{atomically, write_atomic};
-use super::caption::caption;
 use super::csv_file::Row;
 use super::run_directory::RunDirectory;
-use super::snapshot::{Moments, Scenery, Snapshot};
+use super::snapshot::{Particles, Snapshot};
 use super::wanted::Wanted;
-use super::{OutputError, directory, names, plots};
+use super::{OutputError, directory, names};
 use crate::frames::{Frame, FrameTables};
+use crate::run::key_results::KeyResults;
 use crate::run::stages::Script;
 use crate::scene::specimen_file::{self, StoredParticle};
 
@@ -67,32 +67,19 @@ pub fn write_specimen(path: &Path, rows: &[StoredParticle]) -> Result<(), Output
     atomically(path, |temporary| specimen_file::write(temporary, rows))
 }
 
-/// System: writes the frame of the increment and its picture, if wanted.
+/// System: writes the frame of the increment, if wanted.
 pub(super) fn write_wanted(
-    wanted: Res<Wanted>,
-    (script, observation): (Res<Script>, Res<Observation>),
-    (scenery, moments): (Scenery, Res<Moments>),
-    tables: FrameTables,
+    (wanted, observation): (Res<Wanted>, Res<Observation>),
+    (particles, tables): (Particles, FrameTables),
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     if !wanted.frame {
         return Ok(());
     }
-    let now = scenery.snapshot();
     let path = directory::frame(run.directory(), observation.increment);
-    write_particles(&path, &now)?;
+    write_particles(&path, &particles.snapshot())?;
     if ARE_ARRAYS {
         write(&mut run, &path.with_extension("npz"), &tables.frame())?;
-    }
-    let (title, caption) = (&script.scene.title, caption(&observation));
-    let field = plots::specimen::Field::of(&script.scene);
-    if moments.are_drawn
-        && let Some(picture) =
-            plots::specimen::svg(&now, &moments.start, field, title, &caption, true)
-    {
-        let path = path.with_extension("svg");
-        write_atomic(&path, picture)?;
-        run.is_fresh(path);
     }
     run.is_fresh(path);
     Ok(())
@@ -105,7 +92,7 @@ pub struct FrameMoments {
     /// State at the start of the reference stage, until its first increment.
     start: Option<Frame>,
     /// State at the peak so far, unless it is on the disk.
-    pub(super) peak: Option<Frame>,
+    peak: Option<Frame>,
 }
 
 impl FrameMoments {
@@ -113,6 +100,17 @@ impl FrameMoments {
     pub(super) fn take(world: &mut World, has_begun: bool) -> Self {
         let start = (ARE_ARRAYS && !has_begun).then(|| Frame::take(world));
         Self { start, peak: None }
+    }
+}
+
+/// System: takes the frame of an increment that is the peak so far.
+pub(super) fn take_peak(
+    (observation, results): (Res<Observation>, Res<KeyResults>),
+    tables: FrameTables,
+    mut frames: ResMut<FrameMoments>,
+) {
+    if ARE_ARRAYS && results.is_peak(observation.increment) {
+        frames.peak = Some(tables.frame());
     }
 }
 

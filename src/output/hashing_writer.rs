@@ -20,9 +20,6 @@ impl<W: Write> HashingWriter<W> {
     }
 
     /// The SHA-256 hash of the content, in hexadecimal digits.
-    ///
-    /// # Errors
-    /// The first error of the writer behind.
     pub(super) fn finish(self) -> io::Result<String> {
         match self.error {
             Some(error) => Err(error),

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::IncrementStatus;
@@ -9,9 +10,11 @@ use clastic_components::contact::BodyTable;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::OutputError;
 use super::atomic::write_atomic;
 use super::csv_file::Row;
+use super::found::Found;
+use super::run_directory::RunDirectory;
+use super::{OutputError, names};
 use crate::run::key_results::MechanismRecord;
 
 /// Columns. Displacements are divided by the maximum motion and therefore dimensionless. Rotations
@@ -44,7 +47,6 @@ pub struct Mechanism {
 impl Mechanism {
     /// Mechanism of the last increment; `None` if it did not collapse, or if the collapse has no
     /// certificate.
-    #[must_use]
     pub fn of(
         observation: &Observation,
         bodies: &BodyTable,
@@ -80,9 +82,6 @@ impl Mechanism {
     }
 
     /// Writes it as CSV.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = COLUMNS.join(",") + "\n";
         for row in &self.rows {
@@ -95,4 +94,21 @@ impl Mechanism {
         }
         write_atomic(path, text)
     }
+}
+
+/// System: writes the mechanism, if the increment was the first collapse that has one.
+pub(super) fn write_first(
+    (bodies, observation): (Res<BodyTable>, Res<Observation>),
+    (program, solution): (Res<ConeProgram>, Res<ConeSolution>),
+    mut found: ResMut<Found>,
+    mut run: ResMut<RunDirectory>,
+) -> Result<(), OutputError> {
+    let mechanism = Mechanism::of(&observation, &bodies, &program, &solution);
+    let Some(mechanism) = mechanism.filter(|of| found.see_mechanism(of.record)) else {
+        return Ok(());
+    };
+    let path = run.path(names::MECHANISM);
+    mechanism.write(&path)?;
+    run.is_fresh(path);
+    Ok(())
 }

@@ -12,14 +12,13 @@
 //! | `frames/frame_000123.npz` | frame: the state after increment 123, if the scene requests frames |
 //! | `frames/start.npz`, `peak.npz`, `end.npz` | frames before the reference stage, at the peak, at the end |
 //! | `frames/frame_000123.csv` | the particles of the frame |
-//! | `frames/frame_000123.svg` | picture of the frame |
 //! | `final_particles.csv` | all particles at the end, in the format of stored specimens |
 //! | `state_NAME.npz` | the state that stage `NAME`, a `Save`, has kept |
 //! | `final_state.npz` | the state at the end |
 //! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
 //! | `report.html` | curves, animation and key results as a page, written at the end |
-//! | `*.svg` | pictures, drawn at the end; that of the mechanism at the collapse |
+//! | `*.svg` | charts, drawn at the end |
 //! | `final_checkpoint.bin` | state from which more stages or increments continue |
 //! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
 //!
@@ -33,39 +32,35 @@
 //! when it is complete. Output reads the world and changes no number of the simulation.
 
 pub mod atomic;
-pub mod avalanches;
+pub(crate) mod avalanches;
 mod begin;
-mod caption;
 pub mod checkpoint;
 mod corners;
-pub mod crack;
 pub mod csv_file;
 pub mod directory;
 pub mod drive;
 pub mod dump;
 mod error;
-pub mod events;
+pub(crate) mod events;
 mod finish;
-mod first_mechanism;
-pub mod found;
+pub(crate) mod found;
 pub mod frames;
 mod hashing_writer;
 pub mod history;
 pub mod marks;
-pub mod mechanism;
+pub(crate) mod mechanism;
 mod names;
-mod peak;
 mod pictures;
 pub mod plots;
 mod plugin;
-pub mod porosity;
-pub mod prepared;
+pub(crate) mod porosity;
+pub(crate) mod prepared;
 #[cfg(feature = "report")]
 pub mod report;
-pub mod run_directory;
+pub(crate) mod run_directory;
 pub mod run_record;
 mod save;
-pub mod snapshot;
+pub(crate) mod snapshot;
 mod states;
 pub mod timings;
 pub mod view;

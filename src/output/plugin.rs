@@ -11,10 +11,8 @@ use super::found::Found;
 use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, is_last_increment, keep_last, save};
-use super::snapshot::Moments;
 use super::{
-    OutputError, dump, events, first_mechanism, found, frames, history, peak, states, timings,
-    wanted,
+    OutputError, dump, events, found, frames, history, mechanism, states, timings, wanted,
 };
 use crate::run::key_results::is_undecided;
 use crate::run::plugin::{BeginStage, EndStage, StageSystems};
@@ -35,8 +33,7 @@ pub struct OutputFailure(pub OutputError);
 
 impl Plugin for OutputPlugin {
     fn build(&self, app: &mut App) {
-        app.register_resource::<Moments>("output.snapshots")
-            .register_resource::<PreparedSpecimen>("output.specimen")
+        app.register_resource::<PreparedSpecimen>("output.specimen")
             .register_resource::<CurrentAvalanche>("output.avalanche")
             .register_resource::<Found>("output.results")
             .add_systems(
@@ -62,8 +59,8 @@ impl Plugin for OutputPlugin {
                     avalanches::write_ended.pipe(halt),
                     history::write_wanted.pipe(halt),
                     (prepared::prepare.pipe(halt), frames::write_start.pipe(halt)).chain(),
-                    (peak::take, found::see_forces),
-                    first_mechanism::write.pipe(halt),
+                    (frames::take_peak, found::see_forces),
+                    mechanism::write_first.pipe(halt),
                     frames::write_wanted.pipe(halt),
                     dump::write_if_asked.pipe(halt),
                     timings::write_wanted.pipe(halt),

@@ -6,7 +6,7 @@ use glam::DVec2;
 use clastic_components::observation::{Measures, StrainMeasure};
 use clastic_components::wall::Wall;
 
-use crate::moment::mesh::triangles;
+use crate::frames::mesh::triangles;
 
 use super::prepared::Prepared;
 use super::snapshot::Snapshot;
@@ -15,7 +15,6 @@ use super::snapshot::Snapshot;
 /// specimen, which is that of the periodic cell. Without a cell an extent of the specimen is the
 /// distance between the two walls of a strain measure, and without such walls that of the box
 /// around the disks. `None` without disks.
-#[must_use]
 pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Prepared) -> Option<f64> {
     if start.cell_area.is_some() {
         return in_cell_or_box(start);
@@ -34,14 +33,12 @@ pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Prepared) -> 
 }
 
 /// Porosity of the periodic cell, or without one within the box around the disks.
-#[must_use]
 pub fn in_cell_or_box(packing: &Prepared) -> Option<f64> {
     let disks = &packing.snapshot;
     packing.cell_area.map_or_else(|| in_box(disks), |area| Some(1.0 - disks.area() / area))
 }
 
 /// Porosity within the axis-aligned box around the disks; `None` without disks.
-#[must_use]
 pub fn in_box(disks: &Snapshot) -> Option<f64> {
     Some(1.0 - disks.area() / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
 }
@@ -49,7 +46,6 @@ pub fn in_box(disks: &Snapshot) -> Option<f64> {
 /// Porosity within the [triangles] between the centres of neighbouring disks: that of a specimen
 /// whose outline was cut, so that walls and boxes around it enclose voids that are not part of it.
 /// A disk fills of a triangle the sector between two sides. `None` without triangles.
-#[must_use]
 pub fn within(disks: &Snapshot) -> Option<f64> {
     let all = disks.positions.iter().zip(&disks.radii).enumerate();
     let (mut filled, mut area) = (0.0, 0.0);

@@ -14,7 +14,7 @@ use clastic_systems::gather_bodies::gather_bodies;
 
 use super::found::{Found, Settled};
 use super::run_directory::RunDirectory;
-use super::snapshot::{Moments, Scenery, Snapshot};
+use super::snapshot::{Particles, Snapshot};
 use super::{OutputError, directory, frames, porosity};
 use crate::run::stages::{CurrentStage, Script};
 use crate::scene::StoredParticle;
@@ -30,7 +30,7 @@ pub struct PreparedSpecimen {
     pub written: Option<String>,
 }
 
-/// A specimen as it is stored and drawn.
+/// A specimen as it is stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Prepared {
     /// Rows of the stored specimen.
@@ -44,18 +44,17 @@ pub struct Prepared {
 impl Prepared {
     /// The specimen of a world whose tables are up to date.
     pub(super) fn take(world: &mut World) -> Self {
-        let now = |scenery: Scenery, bodies: Res<BodyTable>, materials: Res<Materials>| {
-            Self::now(&scenery, &bodies, &materials)
+        let now = |particles: Particles, bodies: Res<BodyTable>, materials: Res<Materials>| {
+            Self::now(&particles, &bodies, &materials)
         };
         world.run_system_cached(now).unwrap_or_else(|error| panic!("{error}"))
     }
 
     /// The specimen as it is now.
-    #[must_use]
-    fn now(scenery: &Scenery, bodies: &BodyTable, materials: &Materials) -> Self {
+    fn now(particles: &Particles, bodies: &BodyTable, materials: &Materials) -> Self {
         Self {
             rows: frames::specimen_rows(bodies, materials),
-            snapshot: scenery.snapshot(),
+            snapshot: particles.snapshot(),
             cell_area: bodies.cell.as_ref().map(PeriodicCell::area),
         }
     }
@@ -79,14 +78,13 @@ pub(super) fn take_start(world: &mut World) {
 pub fn prepare(
     (script, progress, observation): (Res<Script>, Res<ClasticProgress>, Res<Observation>),
     (bodies, materials, measures): (Res<BodyTable>, Res<Materials>, Res<Measures>),
-    (scenery, walls): (Scenery, Query<&Wall>),
+    (particles, walls): (Particles, Query<&Wall>),
     mut specimen: ResMut<PreparedSpecimen>,
-    mut moments: ResMut<Moments>,
     mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let is_reference = progress.stage >= script.reference_stage();
-    let now = || Prepared::now(&scenery, &bodies, &materials);
+    let now = || Prepared::now(&particles, &bodies, &materials);
     if let Some(before) = &specimen.waiting
         && just_compacted(&script)
         && observation.motion_steps > 0
@@ -111,7 +109,6 @@ pub fn prepare(
                 porosity::porosity(&measures, &walls, &prepared)
             };
         }
-        moments.start = prepared.snapshot;
     }
     Ok(())
 }

@@ -84,32 +84,27 @@ impl Tables {
 
 impl RunDirectory {
     /// Peak of the force of a run without an axial stress, once the run has ended.
-    #[must_use]
     pub fn peak_force(&self) -> Option<&PeakForce> {
         self.record.peak_force.as_ref()
     }
 
     /// Path of the directory.
-    #[must_use]
     pub fn directory(&self) -> &Path {
         &self.options.directory
     }
 
     /// Increments whose cone program is dumped.
-    #[must_use]
     pub fn dump_programs(&self) -> &[u64] {
         &self.options.dump_programs
     }
 
     /// Increments of stages whose cone program is dumped.
-    #[must_use]
     pub fn dump_in_stages(&self) -> &[(String, u64)] {
         &self.options.dump_in_stages
     }
 
     /// Increment of the last checkpoint, from which a resumed run continues; `None` without a
     /// checkpoint.
-    #[must_use]
     pub fn saved(&self) -> Option<u64> {
         self.saved
     }

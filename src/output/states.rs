@@ -19,9 +19,6 @@ use crate::tables::Tables;
 
 /// Writes the states that stages have kept since the last increment. Exclusive, because it runs at
 /// the end of the output as well.
-///
-/// # Errors
-/// If a file cannot be written.
 pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
     let Some(mut kept) = world.get_resource_mut::<SavedStates>() else { return Ok(()) };
     let kept = std::mem::take(&mut kept.0);
@@ -35,9 +32,6 @@ pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
 }
 
 /// Writes the state at the end of a run. A program without the feature `npz` writes none.
-///
-/// # Errors
-/// If the state cannot be encoded, or the file cannot be written.
 pub fn write_final(world: &mut World) -> Result<(), OutputError> {
     if !cfg!(feature = "npz") {
         return Ok(());
@@ -53,7 +47,6 @@ fn write(path: &Path, tables: &Tables) -> Result<(), OutputError> {
 }
 
 /// Files of `Save` stages that had begun in a state.
-#[must_use]
 pub fn kept_before(scene: &Scene, state: &WorldState) -> Vec<String> {
     let progress = state.get::<ClasticProgress>(PROGRESS).map_or(0, |progress| progress.stage);
     let begun = state.get::<ScriptState>(SCRIPT).is_ok_and(|script| script.begun);
@@ -68,7 +61,6 @@ pub fn kept_before(scene: &Scene, state: &WorldState) -> Vec<String> {
 
 /// Number of increments that a run has made. A run that starts from a saved state numbers its
 /// increments from those before.
-#[must_use]
 pub fn increments(state: &WorldState) -> u64 {
     let script = state.get::<ScriptState>(SCRIPT);
     script.map_or(0, |script| script.ends.iter().map(|end| end.rows).sum())

@@ -9,7 +9,6 @@ fn compliance(stiffness: Option<f64>) -> f64 {
 }
 
 /// The engine's law for a scene's contact.
-#[must_use]
 pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
     ContactLaw {
         normal_compliance: compliance(contact.normal_stiffness),
@@ -22,7 +21,6 @@ pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
 }
 
 /// The engine's law for a scene's bond.
-#[must_use]
 pub fn bond_law(bond: &scene::Bond) -> BondLaw {
     BondLaw {
         normal_compliance: compliance(bond.normal_stiffness),

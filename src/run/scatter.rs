@@ -18,7 +18,6 @@ use crate::scene::format::{Bond, Spread};
 use clastic_components::body::BodyOrigin;
 
 /// The law of a bond between bodies that were at these places at the start of the run, m.
-#[must_use]
 pub fn scattered(bond: &Bond, places: [DVec2; 2]) -> BondLaw {
     let law = bond_law(bond);
     let Some(scatter) = &bond.scatter else { return law };

@@ -31,7 +31,6 @@ pub struct Candidate<'a> {
 }
 
 /// Whether a selection has a particle. `groups` are those of the scene.
-#[must_use]
 pub fn selects(select: &Select, groups: &BTreeMap<String, Select>, of: &Candidate) -> bool {
     let has = |select: &Select| selects(select, groups, of);
     match select {
@@ -77,7 +76,6 @@ pub(super) fn needs_forces(world: &World, select: &Select) -> bool {
 }
 
 /// The particles of a world that a selection has, by entity.
-#[must_use]
 pub fn selected(world: &mut World, select: &Select) -> Vec<(BodyId, Entity)> {
     selected_at(world, select, |place| place)
 }

@@ -60,7 +60,6 @@ fn condensed(residual: f64) -> Condensed {
 }
 
 /// Analysis of a stage.
-#[must_use]
 pub fn analysis(
     scene: &scene::Scene,
     kind: scene::Analysis,

@@ -13,7 +13,6 @@ const ORDER: u64 = 1;
 /// its area, so that between two points the number of disks goes with `d^-3`. The radii are the
 /// quantiles of that distribution by number at the middle of `count` equal parts: the packing
 /// follows the curve as closely as this number of disks allows.
-#[must_use]
 pub fn radii(passing: &[(f64, f64)], count: u32, seed: u64) -> Vec<f64> {
     let square = |d: f64| d.powi(-2);
     // Number of disks in each step of the curve, up to a common factor.

@@ -41,7 +41,6 @@ impl StageKinds {
     }
 
     /// Why a stage cannot begin; `None` if a plugin provides its kind.
-    #[must_use]
     pub fn refusal(&self, stage: &CustomStage) -> Option<String> {
         let CustomStage { name, kind, .. } = stage;
         (!self.0.contains(kind.as_str())).then(|| {

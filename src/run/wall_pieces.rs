@@ -20,7 +20,6 @@ pub struct Piece {
 }
 
 /// Number of pieces of a wall. Each is a body with an identity of its own.
-#[must_use]
 pub fn count(wall: &scene::Wall) -> u32 {
     match &wall.shape {
         scene::WallShape::Polyline(corners) => corners.len() as u32 + 1,
@@ -29,7 +28,6 @@ pub fn count(wall: &scene::Wall) -> u32 {
 }
 
 /// The pieces of a wall from its start to its end.
-#[must_use]
 pub fn pieces(wall: &scene::Wall) -> Vec<Piece> {
     let (start, end) = (DVec2::from(wall.start), DVec2::from(wall.end));
     match &wall.shape {
@@ -52,7 +50,6 @@ pub const CUT: f64 = 0.5;
 
 /// Whether a wall cuts through a disk, where it is drawn: a line, if the centre is on its inner side.
 /// One that is yet to come at the outermost particles cuts through none.
-#[must_use]
 pub fn is_cut(wall: &scene::Wall, place: DVec2, radius: f64) -> bool {
     wall.is_placed()
         && pieces(wall).iter().any(|piece| {
@@ -65,7 +62,6 @@ pub fn is_cut(wall: &scene::Wall, place: DVec2, radius: f64) -> bool {
 
 /// The wall with all its points moved, from a place to another, and turned about it. `by` is the
 /// unit vector (cos, sin) of the angle.
-#[must_use]
 pub fn moved(wall: &scene::Wall, from: DVec2, by: DVec2, to: DVec2) -> scene::Wall {
     let shift = |(x, y): (f64, f64)| {
         if by == DVec2::X {

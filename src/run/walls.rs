@@ -29,13 +29,11 @@ pub struct WallCatalogue {
 
 impl WallCatalogue {
     /// Identity of the first piece of a wall; at the end of the list, the first that no wall has.
-    #[must_use]
     pub fn first_of(&self, index: usize) -> u32 {
         self.first + self.walls[..index].iter().map(count).sum::<u32>()
     }
 
     /// The wall to which a body belongs.
-    #[must_use]
     pub fn wall(&self, body: BodyId) -> Option<&scene::Wall> {
         let mut ends = self.first;
         let is_of = |wall: &&scene::Wall| {

@@ -2,14 +2,14 @@
 
 use bevy_ecs::prelude::*;
 use clastic_components::body::BodyId;
-use clastic_components::contact::{BodyTable, Contact};
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::{ContactHistory, ContactMemory};
-use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 use clastic_systems::solve_program::SOLVER_MEMORY;
 use clastic_systems::state::WorldState;
 
 use super::SavedError;
 use super::columns::{bad, finite};
+use crate::frames::pairs::contact;
 use crate::tables::{Array, Tables};
 
 /// Entry with the identities behind rows.
@@ -35,7 +35,7 @@ pub(super) fn write(
     tables.put("contacts.tau_nm", column(|m| m.tau));
     let bodies = world.resource::<BodyTable>();
     let found: Vec<_> =
-        history.0.iter().map(|m| contact(bodies, BodyId(id(m.a)), BodyId(id(m.b)))).collect();
+        history.0.iter().map(|m| contact(bodies, (BodyId(id(m.a)), BodyId(id(m.b))))).collect();
     let normals = found.iter().map(|c| c.map_or([f64::NAN; 2], |c| c.normal.to_array()));
     tables.put("contacts.normal", Array::vectors(normals));
     let gaps = found.iter().map(|c| c.map_or(f64::NAN, |c| c.gap)).collect();
@@ -50,15 +50,6 @@ pub(super) fn write(
     let memory: Vec<[f64; 3]> = state.get(SOLVER_MEMORY)?;
     tables.put("rows.solver_memory", Array::vectors(memory));
     Ok(())
-}
-
-/// The contact of two bodies where they are; `None` if one of them is gone.
-fn contact(bodies: &BodyTable, a: BodyId, b: BodyId) -> Option<Contact> {
-    let (a, b) = (bodies.row(a)? as u32, bodies.row(b)? as u32);
-    match bodies.walls.iter().find(|wall| wall.body == b) {
-        Some(wall) => Some(wall_contact(bodies, a, wall)),
-        None => Some(pair_contact(bodies, a, b)),
-    }
 }
 
 pub(super) fn read(tables: &Tables, state: &mut WorldState) -> Result<(), SavedError> {

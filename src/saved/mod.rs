@@ -57,7 +57,7 @@ const AS_ARRAYS: [&[&str]; 8] = [
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and tables that the next increment makes anew.
-const OF_THE_SCENE: [&str; 21] = [
+const OF_THE_SCENE: [&str; 20] = [
     "analysis",
     "key_results",
     "materials.names",
@@ -69,7 +69,6 @@ const OF_THE_SCENE: [&str; 21] = [
     "observation",
     "output.avalanche",
     "output.results",
-    "output.snapshots",
     "output.specimen",
     "rigid_group.at_start",
     "rupture_count",

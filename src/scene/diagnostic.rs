@@ -25,7 +25,6 @@ pub struct Finding {
 
 impl Finding {
     /// A finding about the value of a field.
-    #[must_use]
     pub fn new(
         path: impl Into<String>,
         message: impl Into<String>,

@@ -40,14 +40,12 @@ impl Piece {
 
 impl EditedText {
     /// A text without settings.
-    #[must_use]
     pub fn of(file: &str) -> Self {
         let pieces = vec![Piece { length: file.len(), at: 0, set: None }];
         Self { text: file.to_owned(), file: file.to_owned(), pieces }
     }
 
     /// The text of the file.
-    #[must_use]
     pub fn file(&self) -> &str {
         &self.file
     }
@@ -88,7 +86,6 @@ impl EditedText {
     }
 
     /// Source of a byte of the text.
-    #[must_use]
     pub fn source(&self, at: usize) -> Source<'_> {
         let mut start = 0;
         for piece in &self.pieces {

@@ -8,10 +8,6 @@ use super::shipped;
 
 /// Reads a regular file. Returns `None` if it is larger than `most` bytes, and reads at most one
 /// byte more than that.
-///
-/// # Errors
-/// If the file cannot be read or is not a regular file. A named pipe, for example, could block
-/// forever.
 pub(crate) fn read_at_most(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     if let Some(text) = shipped::content(path) {
         return Ok(Some(text.to_vec()));

@@ -7,13 +7,13 @@
 //! the first mistake.
 
 mod coincident;
-pub mod diagnostic;
+pub(crate) mod diagnostic;
 mod dialect;
 pub mod edited;
 pub(crate) mod files;
 pub mod format;
 mod limits;
-pub mod load;
+pub(crate) mod load;
 pub mod memory;
 pub mod one_round;
 pub mod overrides;

@@ -5,7 +5,6 @@ use super::shown::label;
 
 /// Why `rupture.order: Events` does not hold, in words; `None` if it holds in all stages that load
 /// bonds, or if the scene has another order or no bonds. Bonds then break as with `OneRound`.
-#[must_use]
 pub fn one_round(scene: &Scene) -> Option<String> {
     if scene.rupture.order != RuptureOrder::Events {
         return None;

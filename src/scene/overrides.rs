@@ -40,9 +40,6 @@ impl std::error::Error for SetError {}
 /// Applies settings in order. Returns the new text with the source of every part.
 ///
 /// A text with unbalanced brackets is returned unchanged, and reading it reports the mistake.
-///
-/// # Errors
-/// If a path does not exist or a value does not fit.
 pub fn apply(text: &str, sets: &[impl AsRef<str>]) -> Result<EditedText, SetError> {
     sets.iter().try_fold(EditedText::of(text), |text, set| apply_one(text, set.as_ref()))
 }

@@ -93,7 +93,6 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Path under which a shipped scene can be [loaded](super::load()).
-#[must_use]
 pub fn path(name: &str) -> Option<PathBuf> {
     names().any(|known| known == name).then(|| Path::new(DIRECTORY).join(format!("{name}.ron")))
 }

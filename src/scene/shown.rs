@@ -10,13 +10,11 @@ const LONGEST: usize = 200;
 const KEPT: usize = 80;
 
 /// Text with control characters escaped and line breaks kept.
-#[must_use]
 pub fn escaped(text: &str) -> String {
     escape(text, |c| c == '\n')
 }
 
 /// A title or a name on one line, with control characters escaped, shortened if it is very long.
-#[must_use]
 pub fn label(text: &str) -> String {
     escape(&shortened(text), |_| false)
 }

@@ -28,9 +28,6 @@ const GROUP: &str = "group";
 const NOT_READ: [&str; 4] = ["id", "rotation_rad", "ux_m", "uy_m"];
 
 /// Reads a stored specimen.
-///
-/// # Errors
-/// If the file cannot be read or is not a valid specimen. Every invalid row is reported.
 pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     let refuse = |why: &str| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
     let bytes = read_at_most(path, MAX_BYTES).map_err(|error| refuse(&error.to_string()))?;
@@ -62,9 +59,6 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
 }
 
 /// Writes a stored specimen. Numbers are written so that reading gives them back exactly.
-///
-/// # Errors
-/// If the file cannot be written or the name of a material does not fit the format.
 pub fn write(path: &Path, rows: &[StoredParticle]) -> io::Result<()> {
     let names = || rows.iter().filter_map(|row| row.material.as_deref());
     let unfit = |name: &&str| name.contains([',', '"', '\n', '\r']) || name.trim() != *name;

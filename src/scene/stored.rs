@@ -25,13 +25,11 @@ pub struct StoredSpecimen {
 
 impl StoredSpecimen {
     /// Particles at rest and free of stress.
-    #[must_use]
     pub fn of(rows: Vec<StoredParticle>) -> Self {
         Self { indices: rows.len() as u64, rows, groups: Vec::new(), state: None }
     }
 
     /// Whether these are the particles of a run that is resumed, which its scene has cut already.
-    #[must_use]
     pub fn is_resumed(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.saved.is_none())
     }

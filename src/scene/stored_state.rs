@@ -20,9 +20,6 @@ use crate::tables::Tables;
 const MAX_BYTES: u64 = 16_000_000_000;
 
 /// Reads a saved state.
-///
-/// # Errors
-/// If the file cannot be read or is no saved state.
 pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     let refuse = |why: &str| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
     let bytes = read_at_most(path, MAX_BYTES).map_err(|error| refuse(&error.to_string()))?;
@@ -55,9 +52,6 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
 
 impl StoredState {
     /// Data of a world's state that a scene needs.
-    ///
-    /// # Errors
-    /// If an entry of the state is of another type.
     pub(crate) fn of(
         world: &WorldState,
         (walls, membranes): (Vec<Wall>, Vec<StoredMembrane>),

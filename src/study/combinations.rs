@@ -15,9 +15,6 @@ pub(super) struct Combinations {
 
 impl Combinations {
     /// The values of runs that stand in the study `file`.
-    ///
-    /// # Errors
-    /// If a table cannot be read.
     pub fn of(runs: &Runs, file: &Path) -> Result<Self, StudyError> {
         match runs {
             Runs::Grid(axes) => Ok(grid(axes)),

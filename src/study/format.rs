@@ -117,9 +117,6 @@ impl StudyError {
 
 impl Study {
     /// Reads a study from its text. `file` stands in messages.
-    ///
-    /// # Errors
-    /// If the text is no study of this version.
     pub fn read(text: &str, file: &Path) -> Result<Self, StudyError> {
         let options = ron::Options::default()
             .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES);

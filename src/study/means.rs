@@ -35,7 +35,6 @@ pub struct Spread {
 
 impl Spread {
     /// Mean and scatter of a sample.
-    #[must_use]
     pub fn of(values: &[f64]) -> Self {
         let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
@@ -48,13 +47,11 @@ impl Spread {
 }
 
 /// Names in which the groups differ: all except `over`.
-#[must_use]
 pub fn names<'a>(plan: &'a Plan, over: &[String]) -> Vec<&'a str> {
     plan.names.iter().filter(|name| !over.contains(name)).map(String::as_str).collect()
 }
 
 /// The groups of a plan in the order of their first runs. `records` are those of the runs.
-#[must_use]
 pub fn groups(plan: &Plan, records: &[Value], over: &[String]) -> Vec<Group> {
     let mut groups: Vec<(Vec<String>, Vec<&Value>)> = Vec::new();
     for (run, record) in plan.runs.iter().zip(records) {
@@ -80,9 +77,6 @@ pub fn groups(plan: &Plan, records: &[Value], over: &[String]) -> Vec<Group> {
 
 /// Writes the table: per group its values, the number of runs in the means, the number of marked
 /// runs that they leave out, and mean and standard deviation of every key result.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn write(path: &Path, names: &[&str], groups: &[Group]) -> Result<(), OutputError> {
     let header = names.iter().copied().chain(["runs", "marked_runs"]);
     let mut row = header.fold(Row::default(), Row::text);

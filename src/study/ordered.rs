@@ -17,7 +17,6 @@ impl<V> Default for Ordered<V> {
 
 impl<V> Ordered<V> {
     /// Value of a key.
-    #[must_use]
     pub fn get(&self, key: &str) -> Option<&V> {
         self.0.iter().find(|(known, _)| known == key).map(|(_, value)| value)
     }

@@ -16,18 +16,12 @@ use crate::scene::{LoadedScene, suggest};
 const DIGITS: usize = 12;
 
 /// Setting that gives a scene its saved state.
-#[must_use]
 pub fn state_at(path: &Path) -> String {
     // A path in RON is a string, in which `\` begins an escape.
     format!("specimen.path={:?}", path.display().to_string())
 }
 
 /// Plans a study. `file` is that of the study; `load` reads a scene with settings.
-///
-/// # Errors
-/// If the table of a study cannot be read, if a setting leads nowhere or does not fit, if a scene
-/// with its settings is wrong, if it does not start from the state that is prepared for it, or if
-/// two runs are equal.
 pub fn plan<E: std::fmt::Display>(
     study: &Study,
     file: &Path,

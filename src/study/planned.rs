@@ -50,13 +50,11 @@ pub struct Wanted<'a> {
 
 impl PlannedRun {
     /// The run in one line: its names and values.
-    #[must_use]
     pub fn label(&self, names: &[String]) -> String {
         self.label_without(names, &[])
     }
 
     /// The run in one line, without some of its names.
-    #[must_use]
     pub fn label_without(&self, names: &[String], left_out: &[String]) -> String {
         let parts = names.iter().zip(&self.values);
         let parts = parts.filter(|(name, value)| !value.is_empty() && !left_out.contains(name));

@@ -40,7 +40,6 @@ pub const RESULTS: [&str; 18] = [
 const NOT_RUN: &str = "not run";
 
 /// The `run.json` of every run of a plan in `folder`; null for a run that was not made.
-#[must_use]
 pub fn records(plan: &Plan, folder: &Path) -> Vec<Value> {
     let record = |name: &String| directory::record(&folder.join(name)).unwrap_or(Value::Null);
     plan.runs.iter().map(|run| record(&run.directory)).collect()
@@ -48,9 +47,6 @@ pub fn records(plan: &Plan, folder: &Path) -> Vec<Value> {
 
 /// Writes the table. `records` are those of the runs, in the order of the plan. The column `marks`
 /// holds the reasons to doubt a run, and is empty otherwise.
-///
-/// # Errors
-/// If the file cannot be written.
 pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputError> {
     let mut text = Row::default().text("run");
     for name in &plan.names {
@@ -80,9 +76,6 @@ pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputEr
 
 /// Directory and values of every run of a table that was made, the values as text:
 /// `mu 0.2, seed 1`.
-///
-/// # Errors
-/// If the file cannot be read, or is no such table.
 pub fn read(path: &Path) -> Result<Vec<(String, String)>, OutputError> {
     let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
     let names = reader.headers().map_err(OutputError::at(path))?.clone();

@@ -15,9 +15,12 @@
 //! ```
 
 mod array;
+mod column;
 #[cfg(feature = "npz")]
 mod npy;
 mod npz;
+
+pub(crate) use column::Column;
 
 pub use array::{Array, Data};
 

@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 use clastic::frames;
-use clastic::moment::{Moment, fields};
 use clastic::tables::Tables;
 use serde_json::Value;
 
@@ -144,11 +143,10 @@ fn a_reader_finds_what_the_engine_has() {
         assert_eq!(grain["fragment"], end.bodies.fragment[i]);
     }
 
-    // Strains are those of `moment::fields`, but for the steps of displacements.
-    let moment = |frame| Moment::of_frame(frame);
+    // Strains are those of `frames::strains`, but for the steps of displacements.
     let before = &series[series.len() - 2];
     for (k, from) in [&start, before].into_iter().enumerate() {
-        let exact = fields::strains(&moment(end), &moment(from));
+        let exact = frames::strains(&end.disks(), &from.disks());
         let most = exact.iter().flatten().map(|s| s.shear).fold(0.0, f64::max);
         assert!(most > 1e-4, "{most}");
         for (grain, shown) in grains.iter().zip(seen["strains"].as_array().unwrap()) {

@@ -4,14 +4,12 @@
 use std::collections::BTreeMap;
 
 use bevy::color::LinearRgba;
-use clastic::frames::{Frame, NONE};
-use clastic::moment::fields::strains;
-use clastic::moment::{Disk, Moment};
-use clastic::output::plots::scale::{KINDS, Scale};
+use clastic::frames::{Frame, NONE, strains};
 use glam::DVec2;
 
 use super::Shown;
 use super::colours::{Legend, Sample, colour};
+use super::scale::{KINDS, Scale};
 
 /// What the colours of the disks mean.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -94,12 +92,12 @@ pub fn colouring(shown: &Shown, field: Field) -> (Vec<LinearRgba>, Legend) {
             scaled(&turned, &Scale::of_signed(&there(&turned), "rotation, anticlockwise +", "rad"))
         }
         Field::ShearStrain => {
-            let strains = strains(&moment(now), &moment(since));
+            let strains = strains(&now.disks(), &since.disks());
             let values: Vec<_> = strains.into_iter().map(|s| Some(100.0 * s?.shear)).collect();
             magnitudes(&values, "maximum shear strain", "%")
         }
         Field::VolumetricStrain => {
-            let strains = strains(&moment(now), &moment(since));
+            let strains = strains(&now.disks(), &since.disks());
             let values: Vec<_> = strains.into_iter().map(|s| Some(100.0 * s?.volumetric)).collect();
             let name = "volumetric strain, contraction +";
             scaled(&values, &Scale::of_signed(&there(&values), name, "%"))
@@ -225,20 +223,4 @@ fn fragments(now: &Frame) -> (Vec<LinearRgba>, Legend) {
         Sample { colour: FRAGMENTS[1], text: format!("{alone} disks without intact bond") },
     ];
     (colours, Legend { name: "fragments".into(), samples, ..Legend::default() })
-}
-
-/// The disks of a frame as strains need them.
-fn moment(frame: &Frame) -> Moment {
-    let bodies = &frame.bodies;
-    let disk = |row: usize| {
-        let [x, y] = bodies.displacement_m[row].map(f64::from);
-        Disk {
-            id: bodies.id[row],
-            position: frame.centre(row).into(),
-            radius: f64::from(bodies.radius_m[row]),
-            displacement: DVec2::new(x, y),
-            ..Disk::default()
-        }
-    };
-    Moment { disks: (0..bodies.id.len()).map(disk).collect(), ..Moment::default() }
 }

@@ -4,12 +4,11 @@
 use bevy::color::LinearRgba;
 use clastic::components::bond::RuptureMode;
 use clastic::frames::Frame;
-use clastic::output::plots::scale::{Scale, with_unit};
-use clastic::output::plots::specimen::color;
 use glam::DVec2;
 
 use super::Look;
 use super::colours::{Legend, Sample, colour};
+use super::scale::{Scale, with_unit};
 use super::strokes::Quads;
 use crate::picture::Picture;
 
@@ -192,5 +191,14 @@ fn marks(quads: &mut Quads, frame: &Frame, look: &Look, width: f64) {
     let rows = (0..pairs.a.len()).filter(|k| (pairs.a[*k], pairs.b[*k]) == (a, b));
     for ends in rows.filter_map(|k| ends(frame, k)) {
         quads.line(ends, width, colour(MARK));
+    }
+}
+
+/// Colour of a broken bond, as in the figures of the Python package.
+fn color(mode: RuptureMode) -> &'static str {
+    match mode {
+        RuptureMode::Tension => "#d7191c",
+        RuptureMode::Shear => "#1a1a1a",
+        RuptureMode::Rolling => "#d68a00",
     }
 }

@@ -5,6 +5,7 @@ mod colours;
 mod disks;
 mod fields;
 mod lines;
+pub(crate) mod scale;
 mod shape;
 mod strokes;
 mod watch;

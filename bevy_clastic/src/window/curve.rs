@@ -1,11 +1,11 @@
 //! The curve of a measure against another one.
 
 use bevy::prelude::*;
-use clastic::output::plots::scale::with_unit;
 
 use super::panel::{Part, Plot};
 use super::plot::Chart;
 use super::write;
+use crate::draw::scale::with_unit;
 use crate::engine::Measured;
 use crate::picture::Series;
 

@@ -3,11 +3,11 @@
 use bevy::prelude::*;
 use bevy::window::PrimaryWindow;
 use clastic::frames::{Frame, NONE, STATES};
-use clastic::output::plots::scale::with_unit;
 use glam::DVec2;
 
 use super::panel::Part;
 use super::{SCALE, camera, write};
+use crate::draw::scale::with_unit;
 use crate::draw::{Look, Shown, contacts};
 
 /// A click within this part of the smaller radius from a contact point picks the pair.

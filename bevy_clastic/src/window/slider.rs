@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 
 use bevy::prelude::*;
 use bevy::ui::RelativeCursorPosition;
-use clastic::output::plots::scale::with_unit;
 
 use super::panel::{Bar, Filled, Part};
 use super::write;
 use crate::draw::Shown;
+use crate::draw::scale::with_unit;
 use crate::engine::{Engine, Order};
 use crate::picture::Load;
 

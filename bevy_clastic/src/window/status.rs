@@ -3,11 +3,11 @@
 use std::time::Instant;
 
 use bevy::prelude::*;
-use clastic::output::plots::scale::with_unit;
 
 use super::panel::Part;
 use super::{Pace, write};
 use crate::draw::Shown;
+use crate::draw::scale::with_unit;
 use crate::engine::Engine;
 use crate::picture::Motion;
 

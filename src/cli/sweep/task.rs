@@ -109,9 +109,6 @@ impl Sweep {
 
     /// Begins a run, unless it is there, or another process makes it. The preparation that it needs
     /// has ended.
-    ///
-    /// # Errors
-    /// If its lock cannot be made, or no process can begin.
     pub fn begin(&self, task: Task, program: &[OsString]) -> Result<Begun, Failure> {
         let planned = self.planned(task);
         let directory = self.directory(task);

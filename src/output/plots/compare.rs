@@ -8,7 +8,6 @@ use super::stress_strain::{SIGNS, STRAIN, stress_unit};
 pub type Runs = [(String, History)];
 
 /// Axial stress against axial strain; `None` if no run defines them.
-#[must_use]
 pub fn stress(runs: &Runs) -> Option<Chart> {
     let lines = lines(runs, "axial_stress_pa");
     let (unit, pascals) = stress_unit(lines.iter().flat_map(|line| &line.points).map(|p| p.1));
@@ -16,7 +15,6 @@ pub fn stress(runs: &Runs) -> Option<Chart> {
 }
 
 /// Volumetric against axial strain; `None` if no run defines them.
-#[must_use]
 pub fn volumetric(runs: &Runs) -> Option<Chart> {
     let lines = scaled(lines(runs, "volumetric_strain"), 100.0);
     chart("Volumetric strain", "volumetric strain, %".to_owned(), lines)

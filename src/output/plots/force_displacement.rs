@@ -9,7 +9,6 @@ use crate::output::drive::Drive;
 const MOTIONS: [(&str, &str); 2] = [(".x_m", "x"), (".y_m", "y")];
 
 /// The chart of the probes; `None` if no probe moved or carried force.
-#[must_use]
 pub fn probes(title: &str, history: &History) -> Option<Chart> {
     let mut chart = worked(title, history).or_else(|| moved(title, history))?;
     // A single line has no legend.

@@ -1,24 +1,18 @@
-//! Pictures of a run, drawn at its end. Curves are read from `history.csv`, so that a picture shows
+//! Charts of a run, drawn at its end. Curves are read from `history.csv`, so that a picture shows
 //! the content of the file. Only a build with the feature `plots` draws pictures.
 
 pub mod chart;
 pub mod compare;
-pub mod force_displacement;
+pub(crate) mod force_displacement;
 pub mod history;
-pub mod mechanism;
-pub mod page;
-pub mod scale;
-pub mod sheet;
-pub mod specimen;
 pub mod strength;
-pub mod stress_strain;
+pub(crate) mod stress_strain;
 
 use std::path::Path;
 
 use super::OutputError;
 use super::atomic::write_atomic;
 pub use super::pictures::*;
-use super::snapshot::Snapshot;
 use history::History;
 
 /// Whether this build draws pictures.
@@ -36,34 +30,6 @@ pub fn curves(directory: &Path, title: &str, history: &History) -> Result<(), Ou
         if let Some(chart) = chart {
             let path = directory.join(name);
             write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
-        }
-    }
-    Ok(())
-}
-
-/// A specimen to draw: the names of its pictures with and without broken bonds, the state, and its
-/// caption.
-pub type Picture<'a> = ([&'static str; 2], Option<(&'a Snapshot, &'a str)>);
-
-/// Draws specimens. Rotations and displacements are relative to `start`.
-///
-/// # Errors
-/// If a picture cannot be written.
-pub fn specimens(
-    directory: &Path,
-    title: &str,
-    start: &Snapshot,
-    field: specimen::Field,
-    pictures: &[Picture],
-) -> Result<(), OutputError> {
-    for (names, picture) in pictures {
-        let Some((now, caption)) = picture else { continue };
-        for (name, cracks) in names.iter().zip([true, false]) {
-            if (cracks || !now.cracks.is_empty())
-                && let Some(svg) = specimen::svg(now, start, field, title, caption, cracks)
-            {
-                write_atomic(&directory.join(name), svg)?;
-            }
         }
     }
     Ok(())

@@ -10,7 +10,6 @@ const SEGMENTS: u32 = 60;
 
 /// Half circles of the stresses at the peak, in MPa, and the linear envelope if it exists. One
 /// length on the two axes is one stress.
-#[must_use]
 pub fn mohr(strengths: &[Strength], title: &str) -> Chart {
     let circle = |s: &Strength| {
         let (centre, radius) = (0.5e-6 * (s.peak + s.confining), 0.5e-6 * (s.peak - s.confining));
@@ -46,7 +45,6 @@ pub fn mohr(strengths: &[Strength], title: &str) -> Chart {
 }
 
 /// A stress in MPa without digits of round-off.
-#[must_use]
 pub fn megapascals(stress: f64) -> f64 {
     format!("{:.9e}", 1e-6 * stress).parse().unwrap_or(f64::NAN)
 }

@@ -9,7 +9,6 @@ pub const SIGNS: &str = "compression and contraction positive";
 pub const STRAIN: &str = "axial strain, %";
 
 /// Stress and broken bonds against axial strain, if stress and strain are defined.
-#[must_use]
 pub fn stress(title: &str, history: &History) -> Option<Chart> {
     let axial = history.curve("axial_stress_pa");
     let lateral = history.curve("lateral_stress_pa");
@@ -58,7 +57,6 @@ fn broken(history: &History) -> Option<Line> {
 }
 
 /// Volumetric strain against axial strain.
-#[must_use]
 pub fn volumetric(title: &str, history: &History) -> Option<Chart> {
     let points = history.curve("volumetric_strain");
     let points: Vec<_> = points.into_iter().map(|(a, v)| (100.0 * a, 100.0 * v)).collect();

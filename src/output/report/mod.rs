@@ -46,9 +46,6 @@ const MAX_FRAMES_SIZE: usize = 28_000_000;
 const MAX_FRAMES: usize = 200;
 
 /// Writes the page of one or several runs. `names` are their names in the page.
-///
-/// # Errors
-/// If a directory holds no run, one of its files is damaged, or the page cannot be written.
 pub fn write(runs: &[(String, PathBuf)], out: &Path) -> Result<(), OutputError> {
     let mut read = Vec::new();
     for (name, directory) in runs {

@@ -86,7 +86,6 @@ const FREE: Point = Point {
 
 impl KeyResults {
     /// Results before the run of a scene.
-    #[must_use]
     pub fn of_scene(scene: &Scene) -> Self {
         let stiffness = stiffness::maximum(scene) / scene.thickness;
         let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });
@@ -95,7 +94,6 @@ impl KeyResults {
     }
 
     /// Results before the run. `rigid` means that nothing in the specimen is elastic.
-    #[must_use]
     pub fn new(rigid: bool) -> Self {
         Self {
             rigid,
@@ -116,7 +114,6 @@ impl KeyResults {
 
     /// Sets the stiffness of the stiffest contact over the thickness, Pa. Stresses that are small
     /// relative to it count as round-off.
-    #[must_use]
     pub fn with_stiffness(self, stiffness: f64) -> Self {
         Self { stiffness, ..self }
     }
@@ -149,7 +146,6 @@ impl KeyResults {
     }
 
     /// Whether this increment is the one that was recorded last, and the peak so far.
-    #[must_use]
     pub fn is_peak(&self, increment: u64) -> bool {
         self.seen == (increment, true)
     }

@@ -18,7 +18,6 @@ const UNKNOWN_START: &str = "the run starts from a saved state with other walls 
 
 impl KeyResults {
     /// The results so far.
-    #[must_use]
     pub fn results(&self) -> Results {
         let mut reasons = BTreeMap::new();
         let mut defined = |name: &str, value: Result<f64, &str>| {

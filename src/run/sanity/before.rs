@@ -19,7 +19,6 @@ use super::untouched::out_of_reach;
 use super::{Report, is_specimen, is_test};
 
 /// The ratios that follow from the imposed motions and stresses.
-#[must_use]
 pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let grains = Grains::of(scene, stored);
     let seeds = specimen(scene, stored);

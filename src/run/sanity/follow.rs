@@ -44,7 +44,6 @@ pub struct Sanity {
 
 impl Sanity {
     /// The ratios so far.
-    #[must_use]
     pub fn report(&self, scene: &Scene) -> Report {
         let grains = Grains { strength: self.strength, ..Grains::of(scene, None) };
         let [time, axial, across, shear, pressure] = self.dynamic;

@@ -9,7 +9,6 @@ use crate::scene::specimen_file::StoredSpecimen;
 
 /// Of every compaction by a wall to a porosity, the distance of wall and base at its end,
 /// A/((1 - n) L) with the area A of the disks and the length L of the base, in a line each.
-#[must_use]
 pub fn heights(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<String> {
     let mut area = None;
     let mut area = || {

@@ -62,7 +62,6 @@ pub(super) fn is_specimen(scene: &Scene) -> bool {
 }
 
 /// The ratios and the warnings of a run so far.
-#[must_use]
 pub fn after(world: &World) -> Report {
     let script = world.resource::<Script>();
     let mut report = world.resource::<Sanity>().report(&script.scene);
@@ -148,7 +147,6 @@ impl Report {
     }
 
     /// The ratios that are defined, in one line; empty without any.
-    #[must_use]
     pub fn line(&self) -> String {
         let parts = [
             ("k/(p h)", self.stiffness_over_pressure),

@@ -107,7 +107,6 @@ pub fn follow_driven(
 
 impl Untouched {
     /// Warnings about the stages that have ended.
-    #[must_use]
     pub fn warnings(&self, script: &Script) -> Vec<String> {
         let last = script.scene.stages.get(self.stage).map(Stage::name);
         let end = script.ends.iter().find(|end| Some(end.stage.as_str()) == last);

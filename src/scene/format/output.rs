@@ -10,17 +10,15 @@ use super::{Scene, Stage};
 pub struct Output {
     /// Number of increments between frames; 0 writes only those of the start, the peak and the end.
     pub frames_every: u32,
-    /// Pictures (SVG) of curves and specimen.
+    /// Pictures: the page `report.html`, and charts (SVG) of stress, strain and probes.
     pub plots: bool,
-    /// Whether the run writes `report.html`. By default a run does whose scene asks for frames.
-    pub report: Option<bool>,
     /// Whether the history contains the energy ledger.
     pub energy: bool,
 }
 
 impl Default for Output {
     fn default() -> Self {
-        Self { frames_every: 0, plots: true, report: None, energy: false }
+        Self { frames_every: 0, plots: true, energy: false }
     }
 }
 
@@ -30,12 +28,6 @@ impl Scene {
     pub fn asks_for_frames(&self) -> bool {
         let asks = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
         self.output.frames_every > 0 || self.stages.iter().filter_map(Stage::record).any(asks)
-    }
-
-    /// Whether the run writes a page.
-    #[must_use]
-    pub fn has_report(&self) -> bool {
-        self.output.report.unwrap_or_else(|| self.asks_for_frames())
     }
 }
 

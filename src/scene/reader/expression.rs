@@ -53,9 +53,6 @@ pub(in crate::scene) fn is_function(word: &str) -> bool {
 }
 
 /// Parses an expression.
-///
-/// # Errors
-/// The remedy of the mistake.
 pub(in crate::scene) fn parse(text: &str) -> Result<Expression, String> {
     if text.len() > LONGEST {
         return Err(format!("give parts of it names in `let`: it has more than {LONGEST} bytes"));

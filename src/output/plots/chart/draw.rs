@@ -9,9 +9,9 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 
 use super::Chart;
 use super::legend::{LEGEND_ROW, SAMPLE, arranged, rows};
+use super::page;
 use super::ranges::{equal, range, thin};
 use super::ticks::{self, tick};
-use crate::output::plots::page::{self, Style};
 
 /// Size on a screen, and the size of its font.
 const SIZE: (f64, f64) = (760.0, 520.0);
@@ -89,7 +89,7 @@ impl Chart {
         let body = text.split_once('>').map_or("", |(_, body)| body);
         let body =
             body.strip_suffix("</svg>\n").unwrap_or(body).replace("\"sans-serif\"", "\"inherit\"");
-        let root = Style::SCREEN.root(measures.page.into());
+        let root = page::root(measures.page);
         Ok(format!("{root}<g transform=\"scale({})\">{body}</g>\n</svg>\n", ZOOM.recip()))
     }
 

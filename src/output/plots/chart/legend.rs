@@ -2,7 +2,7 @@
 
 use plotters::style::ShapeStyle;
 
-use crate::output::plots::page;
+use super::page;
 
 /// Length of the line beside a name, in sizes of the font.
 pub(super) const SAMPLE: f64 = 1.4;

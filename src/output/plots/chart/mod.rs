@@ -5,6 +5,8 @@ mod draw;
 #[cfg(feature = "plots")]
 mod legend;
 #[cfg(feature = "plots")]
+mod page;
+#[cfg(feature = "plots")]
 mod ranges;
 #[cfg(feature = "plots")]
 mod ticks;

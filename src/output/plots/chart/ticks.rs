@@ -5,7 +5,7 @@ use std::ops::Range;
 use plotters::coord::ranged1d::Ranged;
 use plotters::coord::types::RangedCoordf64;
 
-use crate::output::plots::page;
+use super::page;
 
 /// Maximum and minimum number of ticks asked for. Plotters draws at most that number.
 const NUMBER: (usize, usize) = (10, 3);

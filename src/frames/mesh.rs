@@ -20,7 +20,6 @@ impl HasPosition for Corner {
 /// Triangles of the Delaunay triangulation of disks, each given by its row, centre and radius, as
 /// sorted rows of their corners. Triangles with a side across a gap wider than the mean diameter
 /// bridge a void or the outline of the specimen and are left out.
-#[must_use]
 pub fn triangles(disks: impl Iterator<Item = (usize, DVec2, f64)>) -> Vec<[usize; 3]> {
     let corner = |(row, centre, radius): (usize, DVec2, f64)| {
         let place = Point2::new(centre.x, centre.y);

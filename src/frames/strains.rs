@@ -1,26 +1,38 @@
-//! Fields between two moments: displacement, rotation and strain of every disk.
+//! Strains of the disks between two frames.
 
 use std::collections::BTreeMap;
 
 use glam::{DMat2, DVec2};
 
+use super::Frame;
 use super::mesh::triangles;
-use super::{Disk, Moment};
 
-/// Displacement of every disk of `now` since `from`, m; `None` for disks that were not there.
-#[must_use]
-pub fn displacements(now: &Moment, from: &Moment) -> Vec<Option<DVec2>> {
-    each(now, from, |disk, before| disk.displacement - before.displacement)
+/// A disk at one moment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Disk {
+    /// Identity.
+    pub id: u32,
+    /// Centre, m.
+    pub position: DVec2,
+    /// Radius, m.
+    pub radius: f64,
+    /// Displacement since the start of the first run, m.
+    pub displacement: DVec2,
 }
 
-/// Rotation of every disk of `now` since `from`, rad, anticlockwise positive.
-#[must_use]
-pub fn rotations(now: &Moment, from: &Moment) -> Vec<Option<f64>> {
-    each(now, from, |disk, before| disk.rotation - before.rotation)
-}
-
-fn each<T>(now: &Moment, from: &Moment, of: impl Fn(&Disk, &Disk) -> T) -> Vec<Option<T>> {
-    now.disks.iter().map(|disk| Some(of(disk, from.disk(disk.id)?))).collect()
+impl Frame {
+    /// The particles as strains need them.
+    #[must_use]
+    pub fn disks(&self) -> Vec<Disk> {
+        let bodies = &self.bodies;
+        let disk = |row: usize| Disk {
+            id: bodies.id[row],
+            position: self.centre(row).into(),
+            radius: bodies.radius_m[row].into(),
+            displacement: bodies.displacement_m[row].map(f64::from).into(),
+        };
+        (0..bodies.id.len()).map(disk).collect()
+    }
 }
 
 /// Strain of the neighbourhood of a disk; contraction is positive.
@@ -32,22 +44,26 @@ pub struct Strain {
     pub shear: f64,
 }
 
-/// Strain of every disk of `now` since `from`. The displacement is linear in the triangles of the
-/// Delaunay triangulation of the centres in `from`, so that each has one small strain, the
+/// Strain of every disk of `now` since `from`, both by identity. The displacement is linear in the
+/// triangles of the Delaunay triangulation of the centres in `from`, so that each has one small strain, the
 /// symmetric part of its gradient. A disk has the mean of its triangles by area. Triangles with a
 /// side across a gap wider than the mean diameter bridge a void or the outline of the specimen and
-/// do not count; a disk without a triangle has no strain.
+/// do not count; a disk without a triangle, or that was not there, has no strain.
 #[must_use]
-pub fn strains(now: &Moment, from: &Moment) -> Vec<Option<Strain>> {
-    let moved = displacements(now, from);
-    let before: Vec<Option<&Disk>> = now.disks.iter().map(|disk| from.disk(disk.id)).collect();
+pub fn strains(now: &[Disk], from: &[Disk]) -> Vec<Option<Strain>> {
+    let before = |disk: &Disk| {
+        let row = from.binary_search_by_key(&disk.id, |disk| disk.id).ok()?;
+        Some(&from[row])
+    };
+    let before: Vec<Option<&Disk>> = now.iter().map(before).collect();
+    let moved = |row: usize| Some(now[row].displacement - before[row]?.displacement);
     let corners =
         before.iter().enumerate().filter_map(|(row, d)| d.map(|d| (row, d.position, d.radius)));
     // Sum of area times strain (xx, yy, xy) and of the areas, by row.
     let mut sums: BTreeMap<usize, [f64; 4]> = BTreeMap::new();
     for rows in triangles(corners) {
         let [Some(a), Some(b), Some(c)] = rows.map(|row| before[row]) else { continue };
-        let [Some(u), Some(v), Some(w)] = rows.map(|row| moved[row]) else { continue };
+        let [Some(u), Some(v), Some(w)] = rows.map(moved) else { continue };
         let sides = DMat2::from_cols(b.position - a.position, c.position - a.position);
         let area = 0.5 * sides.determinant().abs();
         if !(area > 0.0) {
@@ -68,7 +84,7 @@ pub fn strains(now: &Moment, from: &Moment) -> Vec<Option<Strain>> {
         let [xx, yy, xy] = [xx / area, yy / area, xy / area];
         Some(Strain { volumetric: xx + yy, shear: (xx - yy).hypot(2.0 * xy) })
     };
-    (0..now.disks.len()).map(strain).collect()
+    (0..now.len()).map(strain).collect()
 }
 
 #[cfg(test)]
@@ -76,19 +92,13 @@ mod tests {
     use super::*;
 
     /// Disks of radius 0.5 on a square grid, displaced by a linear field.
-    fn grid(gradient: DMat2) -> Moment {
+    fn grid(gradient: DMat2) -> Vec<Disk> {
         let disk = |k: u32| {
             let place = DVec2::new(f64::from(k % 7), f64::from(k / 7));
             let displacement = gradient * place;
-            Disk {
-                id: k,
-                position: place + displacement,
-                radius: 0.5,
-                displacement,
-                ..Default::default()
-            }
+            Disk { id: k, position: place + displacement, radius: 0.5, displacement }
         };
-        Moment { disks: (0..49).map(disk).collect(), ..Default::default() }
+        (0..49).map(disk).collect()
     }
 
     #[test]
@@ -104,13 +114,11 @@ mod tests {
     }
 
     #[test]
-    fn a_rotation_strains_nothing_and_new_disks_have_no_field() {
+    fn a_rotation_strains_nothing_and_new_disks_have_no_strain() {
         let start = grid(DMat2::ZERO);
         let mut now = grid(DMat2::from_cols(DVec2::new(0.0, 1e-3), DVec2::new(-1e-3, 0.0)));
         assert!(strains(&now, &start).iter().flatten().all(|s| s.shear < 1e-15));
-        now.disks.push(Disk { id: 99, radius: 0.5, ..Default::default() });
-        assert_eq!(displacements(&now, &start)[49], None);
+        now.push(Disk { id: 99, radius: 0.5, ..Default::default() });
         assert_eq!(strains(&now, &start)[49], None);
-        assert!(rotations(&now, &start)[48].is_some());
     }
 }
