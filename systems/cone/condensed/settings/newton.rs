@@ -26,7 +26,8 @@ pub struct NewtonSettings {
     /// Damping of the matrix: added to its diagonal, force over displacement. Keeps a step short where
     /// nothing is stiff, and is small beside the stiffness of a contact, which is of the order of 1.
     ///
-    /// 1e-10: with 1e-6 in patches a shear box takes 44 % more iterations, with 1e-8 15 %.
+    /// 1e-10 for the whole program, 1e-6 for patches. With less damping in patches than before, and
+    /// patches of up to 1500 bodies, a tenth to a fifth of the time was saved (decision 007).
     pub damping: f64,
     /// Line search along a step.
     pub line_search: LineSearchSettings,
@@ -132,6 +133,7 @@ impl Default for LocalSettings {
             newton: NewtonSettings {
                 max_iterations: 30,
                 max_tiny_steps: 30,
+                damping: 1e-6,
                 ..NewtonSettings::default()
             },
         }
