@@ -96,11 +96,25 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             c.normal_arm_a,
             c.normal_arm_b,
             c.offset,
+            c.normal_compliance,
+            c.tangential_compliance,
             c.previous_shear,
+            c.rolling_compliance,
             c.previous_moment,
+            l.cohesion,
+            l.friction,
+            l.tension,
+            l.rolling,
+            l.moment,
             c.image.x,
             c.image.y,
         ];
+        if numbers.iter().any(|x| !x.is_finite()) {
+            return Err(MalformedProgram(format!(
+                "interaction {k} of bodies {} and {} has a number that is not finite",
+                c.a, c.b
+            )));
+        }
         let not_negative = [
             c.normal_compliance,
             c.tangential_compliance,
@@ -111,17 +125,12 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             l.rolling,
             l.moment,
         ];
-        let wrong = if numbers.iter().chain(&not_negative).any(|x| !x.is_finite()) {
-            "number that is not finite"
-        } else if not_negative.iter().any(|x| *x < 0.0) {
-            "negative compliance or limit"
-        } else {
-            continue;
-        };
-        let (a, b) = (c.a, c.b);
-        return Err(MalformedProgram(format!(
-            "interaction {k} of bodies {a} and {b} has a {wrong}"
-        )));
+        if not_negative.iter().any(|x| *x < 0.0) {
+            return Err(MalformedProgram(format!(
+                "interaction {k} of bodies {} and {} has a negative compliance or limit",
+                c.a, c.b
+            )));
+        }
     }
     Ok(())
 }

@@ -3,16 +3,16 @@
 
 use super::scaled::Scaled;
 use super::settings::LineSearchSettings;
-use super::spring::Spring;
+use super::spring::Elastic;
 
 /// The length a at which the derivative of the energy along `du` vanishes, to a few per cent of the
 /// derivative at a = 0.
 ///
 /// The derivative at a is `du.(M (u + a du) - f) + sum de.s(e + a de)`; it rises with a, and is
 /// piecewise linear. `gradient` is that of the energy at `u`.
-pub fn line_search<const F: usize>(
+pub fn line_search<S: Elastic<F>, const F: usize>(
     program: &Scaled,
-    springs: &[Spring<F>],
+    springs: &[S],
     settings: &LineSearchSettings,
     [u, du, gradient]: [&[[f64; 3]]; 3],
     e: &[[f64; F]],
@@ -59,6 +59,9 @@ pub fn line_search<const F: usize>(
         } else {
             4.0 * a
         };
+        if a > settings.max_length || high - low < settings.min_bracket * high {
+            break;
+        }
     }
     a
 }
@@ -66,6 +69,7 @@ pub fn line_search<const F: usize>(
 #[cfg(test)]
 mod tests {
     use super::super::samples::{contact, held, loaded, posed};
+    use super::super::spring::Spring;
     use super::*;
     use crate::program::ConeProgram;
     use glam::DVec2;

@@ -23,6 +23,7 @@ mod parallel;
 mod posed;
 mod reduced;
 pub mod response;
+mod rolling_spring;
 #[cfg(test)]
 mod samples;
 pub mod scaled;

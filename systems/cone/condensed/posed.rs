@@ -7,7 +7,7 @@ use super::matrix::BodyMatrix;
 use super::newton::Newton;
 use super::parallel::in_pool;
 use super::scaled::Scaled;
-use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
+use super::settings::CondensedSettings;
 use super::warm::raised;
 use super::{ROUND_OFF, checked};
 use crate::certificate::{certificate, locks, proves};
@@ -34,7 +34,7 @@ impl Demand {
     /// The requirements on the solution of a program that is asked for with this tolerance.
     pub fn of(program: &ConeProgram, tolerance: f64, settings: &CondensedSettings) -> Self {
         let tolerance = settings.tolerance.max(settings.safety * tolerance);
-        let loose = tolerance > settings.safety * DEFAULT_RESIDUAL;
+        let loose = tolerance > settings.loose_tolerance;
         let large = program.interactions.len() > settings.large;
         let at_once = program.is_dynamic() && (loose || (large && !program.has_bonds()));
         Self { tolerance, loose, large, at_once }
@@ -56,10 +56,12 @@ pub struct Start {
 
 /// A program in the units and the order of the matrix.
 pub struct Posed<'a> {
-    units: Units<'a>,
+    program: &'a ConeProgram,
     settings: &'a CondensedSettings,
     matrix: &'a mut BodyMatrix,
     demand: Demand,
+    order: Vec<usize>,
+    is_shared: bool,
     /// The program in the units of its scales.
     pub scaled: Scaled,
 }
@@ -72,20 +74,21 @@ impl<'a> Posed<'a> {
         matrix: &'a mut BodyMatrix,
         demand: Demand,
     ) -> Self {
-        let units = Units::of(program, matrix.order(), demand.tolerance);
-        let scaled = Scaled::new(program, &units.order);
+        let order = matrix.order().to_vec();
+        let is_shared = matrix.is_shared();
+        let scaled = Scaled::new(program, &order);
         matrix.set_images(&scaled.images);
-        Self { units, settings, matrix, demand, scaled }
+        Self { program, settings, matrix, demand, order, is_shared, scaled }
     }
 
     /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
     /// far.
     pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let (du, _) = self.units.program.scales.units();
+        let (du, _) = self.program.scales.units();
         let is_near = |u: &[f64; 3]| u[0].hypot(u[1]) <= self.settings.max_start * du[0];
         let in_units =
             |u: &[f64; 3]| if is_near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] };
-        self.units.order.iter().map(|i| in_units(&start[*i])).collect()
+        self.order.iter().map(|i| in_units(&start[*i])).collect()
     }
 
     /// The Newton iteration with local elimination. Near rest, displacements of the iteration solve
@@ -98,7 +101,7 @@ impl<'a> Posed<'a> {
         let goal = self.demand.goal(margin);
         let (result, solution) = self.newton_to(start, goal, iterations);
         let is_enough = solution.status == SolveStatus::Solved || !result.converged;
-        if is_enough || !self.units.program.is_dynamic() {
+        if is_enough || !self.program.is_dynamic() {
             return (result, solution);
         }
         self.newton_to(&result.u, goal.min(MAX_BALANCE / margin), iterations)
@@ -112,11 +115,12 @@ impl<'a> Posed<'a> {
         iterations: &mut u32,
     ) -> (Newton, ConeSolution) {
         let settings = self.settings;
-        let Self { scaled, matrix, units, .. } = self;
-        let result = in_pool(matrix.is_shared(), || {
+        let Self { scaled, matrix, .. } = self;
+        let result = in_pool(self.is_shared, || {
             local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)
         });
         *iterations += result.iterations;
+        let units = Units::of(self.program, &self.order, self.demand.tolerance);
         let solution = units.solution(&result.u, &result.s, *iterations, "newton");
         (result, solution)
     }
@@ -132,13 +136,14 @@ impl<'a> Posed<'a> {
         } else if loose || large {
             interior::Goal::exact(residual)
         } else {
-            interior::Goal::exact(residual).decided(tolerance, is_rigid_plastic(self.units.program))
+            interior::Goal::exact(residual).decided(tolerance, is_rigid_plastic(self.program))
         };
-        let Self { scaled, matrix, units, .. } = self;
-        let (end, point) = in_pool(matrix.is_shared(), || {
+        let units = Units::of(self.program, &self.order, self.demand.tolerance);
+        let Self { scaled, matrix, .. } = self;
+        let (end, point) = in_pool(self.is_shared, || {
             let warm = start.forces.as_deref().map(|f| raised(f, &settings.warm));
             let u = &start.displacements;
-            interior::solve(scaled, matrix, u, warm, &settings.interior, goal, units)
+            interior::solve(scaled, matrix, u, warm, &settings.interior, goal, &units)
         });
         *iterations += point.iterations;
         let mut found = units.solution(&point.u, &point.s, *iterations, "interior");
@@ -167,7 +172,7 @@ fn is_rigid_plastic(program: &ConeProgram) -> bool {
 /// The units and the order of the matrix, and the program that judges what is found in them.
 struct Units<'a> {
     program: &'a ConeProgram,
-    order: Vec<usize>,
+    order: &'a [usize],
     tolerance: f64,
     /// Whether a weight on every degree of freedom excludes a collapse.
     is_held: bool,
@@ -176,8 +181,7 @@ struct Units<'a> {
 }
 
 impl<'a> Units<'a> {
-    fn of(program: &'a ConeProgram, order: &[usize], tolerance: f64) -> Self {
-        let order = order.to_vec();
+    fn of(program: &'a ConeProgram, order: &'a [usize], tolerance: f64) -> Self {
         let is_elastic = program.interactions.iter().all(|c| c.normal_compliance > 0.0);
         Self { program, order, tolerance, is_held: program.is_damped(), is_elastic }
     }
@@ -186,7 +190,7 @@ impl<'a> Units<'a> {
     fn displacements(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let (du, _) = self.program.scales.units();
         let mut displacements = vec![[0.0; 3]; self.order.len()];
-        for (u, &i) in u.iter().zip(&self.order) {
+        for (u, &i) in u.iter().zip(self.order) {
             displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
         }
         displacements

@@ -7,8 +7,9 @@
 
 use crate::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramCell};
 
+use super::rolling_spring::RollingSpring;
 use super::scaled::Scaled;
-use super::spring::Spring;
+use super::spring::Elastic;
 
 /// The reduced program, with the places of its bodies and interactions in the whole one.
 pub struct Reduced {
@@ -131,6 +132,6 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
     };
     let (_, df) = program.scales.units();
     let order: Vec<usize> = (0..pair.bodies.len()).collect();
-    let s = Spring::<3>::new(&Scaled::new(&pair, &order).locals[0]).respond([0.0; 3]).s;
+    let s = RollingSpring::new(&Scaled::new(&pair, &order).locals[0]).respond([0.0; 3]).s;
     [s[0] * df[0], s[1] * df[0], s[2] * df[2]]
 }

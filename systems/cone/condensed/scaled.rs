@@ -241,7 +241,7 @@ impl Scaled {
         }
         if let Some((k, _)) = self.images.at(number) {
             let of_image = units.rows(&c.rows(program.bodies[c.b as usize].axis, false), has);
-            let by_cell = self.images.kinematics_by_cell(k, &self.known, false, &of_image);
+            let by_cell = self.images.known_by_cell(k, &self.known, &of_image);
             for f in 0..3 {
                 fixed[f] += by_cell[f];
             }
@@ -278,7 +278,7 @@ impl Scaled {
     pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
         let mut out = local.clone();
         if let Some(k) = self.images.number(local.bodies[1]) {
-            let by_cell = self.images.kinematics_by_cell(k, u, true, &local.rows[1]);
+            let by_cell = self.images.kinematics_by_cell(k, u, &local.rows[1]);
             for f in 0..3 {
                 out.linear[f] -= by_cell[f];
             }

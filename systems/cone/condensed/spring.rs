@@ -1,18 +1,28 @@
-//! The forces of an elastic interaction.
+//! The forces of an elastic interaction without a rolling moment;
+//! [`rolling_spring`](super::rolling_spring) has those with one.
 //!
-//! The forces (p, q, tau) that belong to kinematics (e_n, e_t, e_r) are the projection of the elastic
-//! trial `x_t = k_x (e_x - l_x)` onto the limits `|x| <= s_x + m_x p` of q and tau, and `p >= -f_t`,
-//! in the metric of the compliances. For a given p each x is its trial clamped to its limit, so that
-//! p alone is left:
-//!
-//! ```text
-//! (p - p_t)/k_n = sum_x m_x (|x_t| - s_x - m_x p)_+ / k_x
-//! ```
-//!
-//! The right side falls with p, and a limit is active below `(|x_t| - s_x)/m_x`: the limits are
-//! active in the order of these numbers.
+//! The forces (p, q) that belong to kinematics (e_n, e_t) are the projection of the elastic trial
+//! `p = k_n (e_n - l_n)`, `q = k_t (e_t - l_t)` onto the limits `|q| <= c + mu p`, `p >= -f_t`, in
+//! the metric of the compliances.
 
-use super::scaled::Local;
+use super::scaled::{Kind, Local};
+
+/// An elastic interaction: stiffnesses and limits.
+#[derive(Clone, Copy, Debug)]
+pub struct Spring {
+    /// Stiffness in normal and tangential direction, 1 over the compliance.
+    stiffness: [f64; 2],
+    /// Kinematics at which there is no force.
+    linear: [f64; 2],
+    /// Coefficient of friction.
+    friction: f64,
+    /// Cohesion.
+    cohesion: f64,
+    /// Tensile strength; infinite where the limits of the shear force imply it.
+    tension: f64,
+    /// Whether there is a shear force.
+    shears: bool,
+}
 
 /// Forces and their derivatives by the kinematics.
 #[derive(Clone, Copy, Debug)]
@@ -45,245 +55,104 @@ impl<const F: usize> Response<F> {
     }
 }
 
-/// The limit of q or of tau.
-#[derive(Clone, Copy, Debug)]
-struct Limit {
-    /// Whether the force exists.
-    exists: bool,
-    strength: f64,
-    slope: f64,
-}
-
-const NONE: Limit = Limit { exists: false, strength: 0.0, slope: 0.0 };
-
-/// An elastic interaction: p, q and, where any interaction of the program has one, tau.
-#[derive(Clone, Copy, Debug)]
-pub struct Spring<const F: usize> {
-    /// Stiffnesses, 1 over the compliances.
-    stiffness: [f64; F],
-    /// Kinematics at which there is no force.
-    linear: [f64; F],
-    /// Limits by force; none of p.
-    limits: [Limit; F],
-    /// Minimum of p: minus the tensile strength, or the apex of a limit.
-    lowest: f64,
-}
-
-impl<const F: usize> Spring<F> {
-    /// The spring of an interaction whose forces all have a compliance.
-    pub fn new(l: &Local) -> Self {
-        let (mut limits, mut lowest) = ([NONE; F], f64::NEG_INFINITY);
-        for (row, strength) in l.limits.iter().zip(l.right).take(l.count) {
-            let slope = -row[0];
-            for f in (1..F).filter(|f| row[*f] > 0.0) {
-                limits[f] = Limit { exists: true, strength, slope };
-            }
-            if slope > 0.0 {
-                lowest = lowest.max(-strength / slope);
-            }
-        }
-        Self {
-            stiffness: std::array::from_fn(|f| 1.0 / l.compliance[f]),
-            linear: std::array::from_fn(|f| l.linear[f]),
-            limits,
-            lowest,
-        }
-    }
+/// An interaction whose `F` forces all have a compliance.
+pub trait Elastic<const F: usize>: Copy + Send + Sync {
+    /// The spring of such an interaction.
+    fn new(l: &Local) -> Self;
 
     /// Projection of the elastic trial at these kinematics onto the limits.
-    #[inline]
-    pub fn respond(&self, e: [f64; F]) -> Response<F> {
-        let k = self.stiffness;
-        let trial: [f64; F] = std::array::from_fn(|f| (e[f] - self.linear[f]) * k[f]);
-        let mut out = Response { s: trial, d: [[0.0; F]; F] };
-        let mut is_within = trial[0] >= self.lowest;
-        out.d[0][0] = k[0];
-        for f in 1..F {
-            let Limit { exists, strength, slope } = self.limits[f];
-            if exists {
-                out.d[f][f] = k[f];
-                is_within &= trial[f].abs() <= strength + slope * trial[0];
-            } else {
-                out.s[f] = 0.0;
+    fn respond(&self, e: [f64; F]) -> Response<F>;
+}
+
+impl Elastic<2> for Spring {
+    fn new(l: &Local) -> Self {
+        let (friction, cohesion, tension) = match l.kind {
+            Kind::Normal => (0.0, 0.0, l.right[0]),
+            Kind::Bond => (-l.limits[0][0], l.right[0], l.right[2]),
+            Kind::Friction | Kind::Rolling | Kind::Wheel => {
+                (-l.limits[0][0], l.right[0], f64::INFINITY)
             }
+        };
+        Self {
+            stiffness: [1.0 / l.compliance[0], 1.0 / l.compliance[1]],
+            linear: [l.linear[0], l.linear[1]],
+            friction,
+            cohesion,
+            tension,
+            shears: l.has[1],
         }
-        if is_within { out } else { self.limited(&trial) }
     }
 
-    /// Projection of a trial that is outside of the limits.
-    fn limited(&self, trial: &[f64; F]) -> Response<F> {
-        let k = self.stiffness;
-        let (mut above, mut below, mut p) = (trial[0] / k[0], 1.0 / k[0], trial[0]);
-        let mut active = [false; F];
-        // Each pass adds the first of the limits that the last p violates.
-        for _ in 1..F {
-            let mut next = (f64::NEG_INFINITY, 0);
-            for f in (1..F).filter(|f| self.limits[*f].exists && !active[*f]) {
-                let over = trial[f].abs() - self.limits[f].strength;
-                let reach = over / self.limits[f].slope;
-                if over > self.limits[f].slope * p && reach > next.0 {
-                    next = (reach, f);
-                }
-            }
-            let (_, f) = next;
-            if f == 0 {
-                break;
-            }
-            let Limit { strength, slope, .. } = self.limits[f];
-            active[f] = true;
-            above += slope * (trial[f].abs() - strength) / k[f];
-            below += slope * slope / k[f];
-            p = above / below;
+    #[inline]
+    fn respond(&self, e: [f64; 2]) -> Response<2> {
+        let [kn, kt] = self.stiffness;
+        let pt = (e[0] - self.linear[0]) * kn;
+        let qt = (e[1] - self.linear[1]) * kt;
+        let size = qt.abs();
+        let over = size - self.cohesion - self.friction * pt;
+        if self.shears && over <= 0.0 && pt >= -self.tension {
+            return Response { s: [pt, qt], d: [[kn, 0.0], [0.0, kt]] };
         }
-        let is_torn = p < self.lowest;
-        let mut out = Response { s: [0.0; F], d: [[0.0; F]; F] };
-        // The derivatives of p are these over `below`: those of a force on its limit are its slope
-        // times those of p.
-        let mut slopes = [0.0; F];
-        (out.s[0], slopes[0]) = if is_torn { (self.lowest, 0.0) } else { (p, 1.0) };
-        for f in (1..F).filter(|f| self.limits[*f].exists) {
-            let Limit { strength, slope, .. } = self.limits[f];
-            let most = (strength + slope * out.s[0]).max(0.0);
-            let is_elastic = if is_torn { trial[f].abs() < most } else { !active[f] };
-            if is_elastic {
-                out.s[f] = trial[f];
-                out.d[f][f] = k[f];
+        self.limited(pt, qt)
+    }
+}
+
+impl Spring {
+    /// Projection of the trial (pt, qt), which may be outside of the limits.
+    fn limited(&self, pt: f64, qt: f64) -> Response<2> {
+        let [kn, kt] = self.stiffness;
+        let (mu, cohesion, tension) = (self.friction, self.cohesion, self.tension);
+        if !self.shears {
+            return if pt > -tension {
+                Response { s: [pt, 0.0], d: [[kn, 0.0], [0.0, 0.0]] }
             } else {
-                out.s[f] = most.min(trial[f].abs()).copysign(trial[f]);
-                slopes[f] = slope.copysign(trial[f]) * slopes[0];
-            }
+                Response { s: [-tension, 0.0], d: [[0.0; 2]; 2] }
+            };
         }
-        let stiffness = 1.0 / below;
-        for f in 0..F {
-            for g in 0..F {
-                out.d[f][g] += slopes[f] * slopes[g] * stiffness;
-            }
+        let sign = if qt < 0.0 { -1.0 } else { 1.0 };
+        let size = qt.abs();
+        // The corner of the limits: where tension cuts the shear cone, or the cone's own apex.
+        let at_tension = cohesion - mu * tension;
+        let (p0, q0) =
+            if at_tension >= 0.0 { (-tension, at_tension) } else { (-cohesion / mu, 0.0) };
+        let over = size - cohesion - mu * pt;
+        if pt < p0 && (over <= 0.0 || size <= q0) {
+            return if size <= q0 && q0 > 0.0 {
+                Response { s: [p0, qt], d: [[0.0, 0.0], [0.0, kt]] }
+            } else {
+                Response { s: [p0, sign * q0.min(size)], d: [[0.0; 2]; 2] }
+            };
         }
-        out
+        if over <= 0.0 {
+            return Response { s: [pt, qt], d: [[kn, 0.0], [0.0, kt]] };
+        }
+        let sum = kt + mu * mu * kn;
+        let slip = over / sum;
+        let p = pt + mu * kn * slip;
+        if p >= p0 {
+            let (vn, vt) = (-mu * kn, sign * kt);
+            let across = -vn * vt / sum;
+            let d = [[kn - vn * vn / sum, across], [across, kt - vt * vt / sum]];
+            return Response { s: [p, sign * (size - kt * slip)], d };
+        }
+        Response { s: [p0, sign * q0], d: [[0.0; 2]; 2] }
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
 
-    fn spring() -> impl Strategy<Value = Spring<3>> {
-        let limit =
-            (prop::bool::weighted(0.8), 0.0..1.0_f64, prop_oneof![Just(0.0), 0.05..1.0_f64]);
-        let limit = limit.prop_map(|(exists, strength, slope)| match (exists, slope) {
-            (false, _) => NONE,
-            // A limit without slope is one of cohesion alone.
-            (true, 0.0) => Limit { exists, strength: strength + 0.1, slope: 0.0 },
-            (true, slope) => Limit { exists, strength, slope },
-        });
-        let input = (prop::array::uniform3(0.1..10.0_f64), [limit.clone(), limit], 0.0..1.0_f64);
-        input.prop_map(|(stiffness, limits, tension)| {
-            let apex = |l: &Limit| if l.slope > 0.0 { l.strength / l.slope } else { f64::INFINITY };
-            let lowest = limits.iter().map(apex).fold(tension, f64::min);
-            Spring {
-                stiffness,
-                linear: [0.0; 3],
-                limits: [NONE, limits[0], limits[1]],
-                lowest: -lowest,
-            }
-        })
-    }
-
-    fn kinematics() -> impl Strategy<Value = [f64; 3]> {
-        prop::array::uniform3(-3.0..3.0_f64)
-    }
-
-    /// Half of the distance from the trial in the metric of the compliances.
-    fn distance(spring: &Spring<3>, e: &[f64; 3], s: &[f64; 3]) -> f64 {
-        let of = |f: usize| 0.5 * (s[f] / spring.stiffness[f] - e[f]).powi(2) * spring.stiffness[f];
-        (0..3).filter(|f| *f == 0 || spring.limits[*f].exists).map(of).sum()
-    }
-
-    fn largest(spring: &Spring<3>, x: usize, p: f64) -> f64 {
-        let limit = &spring.limits[x + 1];
-        if limit.exists { (limit.strength + limit.slope * p).max(0.0) } else { 0.0 }
-    }
-
-    proptest! {
-        /// Forces are within the limits, and no others within them are nearer to the trial.
-        #[test]
-        fn forces_are_the_nearest_within_the_limits(
-            spring in spring(),
-            e in kinematics(),
-            others in prop::collection::vec(kinematics(), 30),
-        ) {
-            let Response { s, .. } = spring.respond(e);
-            prop_assert!(s[0] >= spring.lowest - 1e-12);
-            for x in 0..2 {
-                prop_assert!(s[x + 1].abs() <= largest(&spring, x, s[0]) + 1e-12, "{s:?}");
-            }
-            let best = distance(&spring, &e, &s);
-            for other in others {
-                for scale in [1.0, 1e-2, 1e-4] {
-                    let p = (s[0] + scale * other[0]).max(spring.lowest);
-                    let x = |x: usize| {
-                        let most = largest(&spring, x, p);
-                        (s[x + 1] + scale * other[x + 1]).clamp(-most, most)
-                    };
-                    let near = [p, x(0), x(1)];
-                    prop_assert!(distance(&spring, &e, &near) >= best - 1e-12, "{s:?} {near:?}");
-                }
-            }
-        }
-
-        /// Derivatives are symmetric, and those of the forces: over a step on which the forces are
-        /// linear, their change is the derivative times the step.
-        #[test]
-        fn derivatives_with_moments_are_those_of_the_forces(
-            spring in spring(),
-            e in kinematics(),
-            step in kinematics(),
-        ) {
-            let at = |length: f64| spring.respond(std::array::from_fn(|f| e[f] + length * step[f]));
-            let ends = [at(-1e-6), at(1e-6)];
-            prop_assume!(ends[0].d == ends[1].d);
-            let d = ends[0].d;
-            for f in 0..3 {
-                let slope: f64 = (0..3).map(|g| d[f][g] * step[g]).sum();
-                let found = (ends[1].s[f] - ends[0].s[f]) / 2e-6;
-                prop_assert!((slope - found).abs() < 1e-7, "{f}: {slope} {found}");
-                prop_assert!((0..3).all(|g| d[f][g] == d[g][f]));
-            }
-        }
-    }
-
-    /// On both limits at once the slips open the contact together: with `a = 1/k_n + sum m^2/k_x`,
-    /// `p = (e_n + sum m (|x_t| - s_x)/k_x)/a`.
-    #[test]
-    fn sliding_and_rolling_return_together() {
-        let limit = |strength, slope| Limit { exists: true, strength, slope };
-        let spring = Spring {
-            stiffness: [2.0, 1.0, 4.0],
-            linear: [0.0; 3],
-            limits: [NONE, limit(0.0, 0.5), limit(0.0, 0.25)],
-            lowest: 0.0,
-        };
-        let Response { s, .. } = spring.respond([1.0, 3.0, -2.0]);
-        let p = (1.0 + 0.5 * 3.0 + 0.25 * 8.0 / 4.0) / (0.5 + 0.25 + 0.0625 / 4.0);
-        for (found, expected) in s.into_iter().zip([p, 0.5 * p, -0.25 * p]) {
-            assert!((found - expected).abs() < 1e-14, "{s:?}");
-        }
-        // Far apart no force is left.
-        assert_eq!(spring.respond([-5.0, 0.1, 0.1]).s, [0.0; 3]);
-    }
-
     /// Stiffnesses of 2 and 1, a coefficient of friction of 0.5, cohesion of 1, strength of 0.5.
-    fn bond() -> Spring<2> {
-        let limit = Limit { exists: true, strength: 1.0, slope: 0.5 };
-        Spring { stiffness: [2.0, 1.0], linear: [0.0; 2], limits: [NONE, limit], lowest: -0.5 }
-    }
-
-    /// A contact with friction and without strength.
-    fn contact() -> Spring<2> {
-        let limit = Limit { exists: true, strength: 0.0, slope: 0.5 };
-        Spring { limits: [NONE, limit], lowest: 0.0, ..bond() }
+    fn bond() -> Spring {
+        Spring {
+            stiffness: [2.0, 1.0],
+            linear: [0.0, 0.0],
+            friction: 0.5,
+            cohesion: 1.0,
+            tension: 0.5,
+            shears: true,
+        }
     }
 
     #[test]
@@ -309,14 +178,16 @@ mod tests {
         // Torn and sheared: the corner, where q = c - mu f_t.
         assert_eq!(bond().respond([-5.0, -4.0]).s, [-0.5, -0.75]);
         // The apex of a contact without strength: no force.
-        assert_eq!(contact().respond([-1.0, 0.1]).s, [0.0, 0.0]);
+        let contact = Spring { cohesion: 0.0, tension: f64::INFINITY, ..bond() };
+        assert_eq!(contact.respond([-1.0, 0.1]).s, [0.0, 0.0]);
     }
 
     /// Derivatives are those of the forces wherever these are smooth.
     #[test]
     fn derivatives_are_those_of_the_forces() {
-        let frictionless = Spring { limits: [NONE; 2], ..bond() };
-        for spring in [bond(), frictionless, contact()] {
+        let frictionless = Spring { shears: false, ..bond() };
+        let contact = Spring { cohesion: 0.0, tension: f64::INFINITY, ..bond() };
+        for spring in [bond(), frictionless, contact] {
             for e in [[1.0, -0.5], [1.0, 3.5], [1.0, -3.5], [-5.0, 0.25], [-5.0, -4.0]] {
                 let [[nn, nt], [_, tt]] = spring.respond(e).d;
                 let h = 1e-6;

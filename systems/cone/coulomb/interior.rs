@@ -1,7 +1,6 @@
 //! The interior-point iteration on the complementarity system, with the predictor and corrector of
 //! Mehrotra (1992).
 
-use super::super::condensed::settings::InteriorSettings;
 use super::Trial;
 use super::cell::LIMITS;
 use super::settings::CoulombInteriorSettings;
@@ -57,7 +56,7 @@ pub fn iterate(
             return;
         }
         last = room.min(1.0);
-        let [lower, upper] = InteriorSettings::default().step;
+        let [lower, upper] = settings.step;
         z.add((room * (1.0 - mu).clamp(lower, upper)).min(1.0), &step);
     }
 }

@@ -24,8 +24,7 @@ pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
 use super::condensed::images;
 use super::condensed::matrix::UnsymmetricMatrix;
-use super::condensed::settings::DEFAULT_RESIDUAL;
-use super::residuals::{MIN_FORCE, applied_force, choose_displacements, natural_map};
+use super::residuals::{applied_force, choose_displacements, natural_map};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -81,14 +80,13 @@ impl Coulomb {
         let mut trial = Trial::new(program, start, &settings, goal);
         trial.offer(&start.forces, &start.displacements);
         let is_associated = program.interactions.iter().all(|c| c.limits.has_strength());
-        // Nothing slides where a solution with dilation is one without as well.
-        if is_associated || trial.is_within(DEFAULT_RESIDUAL) || !self.prepare(program) {
+        if is_associated || trial.is_within(settings.max_start_map) || !self.prepare(program) {
             return trial.into_solution(0);
         }
         let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
         // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
-        scaled.scales.force = unit_of_force(program, start);
+        scaled.scales.force = unit_of_force(program, start, settings.min_force);
         trial.units = scaled.scales.units();
         trial.order = matrix.order().to_vec();
         let (du, df) = trial.units;
@@ -131,10 +129,10 @@ impl Coulomb {
     }
 }
 
-/// Maximum force, contact or applied, N; at least [`MIN_FORCE`] times the force scale.
-fn unit_of_force(program: &ConeProgram, start: &ConeSolution) -> f64 {
+/// Maximum force, contact or applied, N; at least `min` times the force scale.
+fn unit_of_force(program: &ConeProgram, start: &ConeSolution, min: f64) -> f64 {
     let contact = start.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    contact.max(applied_force(program)).max(MIN_FORCE * program.scales.force)
+    contact.max(applied_force(program)).max(min * program.scales.force)
 }
 
 /// Evaluates points on the program in SI units and keeps the best one.

@@ -34,6 +34,10 @@ pub struct CoulombSettings {
     ///
     /// 8: decision 001.
     pub max_sharpening: u32,
+    /// Maximum natural map of a solution with dilation that is taken for one without.
+    ///
+    /// 1e-8: the default tolerance of increments. Nothing slides then.
+    pub max_start_map: f64,
     /// Natural map at which a solution is sharp, over the tolerance. A sharp solution ends the
     /// iteration.
     ///
@@ -44,6 +48,11 @@ pub struct CoulombSettings {
     ///
     /// 0.5: decision 001.
     pub progress: f64,
+    /// Minimum unit of force over the force scale of the program.
+    ///
+    /// 1e-2: the floor of the unit that residuals are relative to (docs/formulation.md, section
+    /// 10).
+    pub min_force: f64,
     /// Maximum number of refinements of a linear solve.
     ///
     /// 4: decision 001.
@@ -67,8 +76,10 @@ impl Default for CoulombSettings {
             max_arc: 250,
             end_product: 0.1,
             max_sharpening: 8,
+            max_start_map: 1e-8,
             sharp: 1e-3,
             progress: 0.5,
+            min_force: 1e-2,
             max_refinements: 4,
             refined: 1e-10,
             interior: CoulombInteriorSettings::default(),
@@ -110,6 +121,11 @@ pub struct CoulombInteriorSettings {
     ///
     /// 0.8: no measurement is on record.
     pub min_centring: f64,
+    /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
+    /// less the mean product.
+    ///
+    /// 0.99 and 0.9995, as in the interior-point method of the associated law.
+    pub step: [f64; 2],
 }
 
 impl Default for CoulombInteriorSettings {
@@ -122,6 +138,7 @@ impl Default for CoulombInteriorSettings {
             progress: 0.5,
             centring_step: 0.2,
             min_centring: 0.8,
+            step: [0.99, 0.9995],
         }
     }
 }

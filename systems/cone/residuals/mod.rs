@@ -19,8 +19,8 @@ mod carrying;
 mod units;
 
 pub use self::carrying::Carrying;
-pub use self::units::{MIN_FORCE, displacement_scale, force_scale};
 pub(crate) use self::units::{Units, applied_force};
+pub use self::units::{displacement_scale, force_scale};
 use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw};
 
 /// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation

@@ -12,11 +12,7 @@ use crate::program::{
 /// would not show.
 const MAX_FORCE: f64 = 1e5;
 
-/// Minimum unit of force over the force scale. If all forces are zero (a bond has broken, a specimen
-/// is unloaded), the round-off of forces that were there before must not count as an error.
-pub const MIN_FORCE: f64 = 1e-2;
-
-/// Maximum force of the program, contact or applied, N; at least [`MIN_FORCE`] of the force scale.
+/// Maximum force of the program, contact or applied, N; at least 1 % of the force scale.
 ///
 /// Contact forces count if they act on a free degree of freedom. Between a rigid wall and a disk
 /// that is held against it any force is a solution, and relative to 1e24 N no error would show.
@@ -42,8 +38,10 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
         }
     }
     let applied = applied_force(program);
+    // If all forces are zero (a bond has broken, a specimen is unloaded), the round-off of forces
+    // that were there before must not count as an error.
     let expected = applied.max(program.scales.force);
-    contact.min(MAX_FORCE * expected).max(applied).max(MIN_FORCE * program.scales.force)
+    contact.min(MAX_FORCE * expected).max(applied).max(1e-2 * program.scales.force)
 }
 
 /// Maximum applied force, N.

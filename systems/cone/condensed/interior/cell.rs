@@ -229,10 +229,11 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
         let start = settings.start;
         for q in 0..Q {
-            let left = law.right[q] - law.limit(q, &s);
+            let slack = law.right[q] - law.limit(q, &s);
             let excess = if is_rigid { multiplier } else { law.limit(q, &beyond) };
-            let x = left.max(0.0) - excess.max(0.0);
-            slacks.w[q] = slack(x, start * start);
+            let x = slack.max(0.0) - excess.max(0.0);
+            let root = x.hypot(2.0 * start);
+            slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * start * start / (root - x) };
             slacks.lambda[q] = start * start / slacks.w[q] * compliance;
         }
         Self {

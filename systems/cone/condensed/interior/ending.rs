@@ -23,6 +23,8 @@ pub struct Ending<'a> {
     solution: Option<Interior>,
     /// The displacements or forces of a proof.
     proof: Interior,
+    /// Residuals of the best point, iteration by iteration.
+    merits: Vec<f64>,
     last_merit: f64,
     idle: usize,
 }
@@ -36,6 +38,7 @@ impl<'a> Ending<'a> {
             best: Interior::of(program),
             solution: None,
             proof: Interior::of(program),
+            merits: Vec::new(),
             last_merit: f64::INFINITY,
             idle: 0,
         }
@@ -57,6 +60,7 @@ impl<'a> Ending<'a> {
                 self.solution = Some(self.best.clone());
             }
         }
+        self.merits.push(self.best.merit);
         if self.solution.is_some() && (self.is_done(merit, is_slow) || self.idle >= MAX_IDLE) {
             return Some(End::Solved);
         }
@@ -65,7 +69,9 @@ impl<'a> Ending<'a> {
         {
             return Some(end);
         }
-        if self.iterations >= self.settings.max_iterations {
+        // A method that still makes way has not stalled, however far it came before.
+        let stalls = is_slow && !iteration.diverges() && self.stalls();
+        if stalls || self.iterations >= self.settings.max_iterations {
             return Some(self.limit());
         }
         self.iterations += 1;
@@ -76,6 +82,12 @@ impl<'a> Ending<'a> {
     fn is_done(&self, merit: f64, is_slow: bool) -> bool {
         let Goal { residual, at_once, .. } = self.goal;
         at_once || merit <= residual || (is_slow && merit <= self.settings.near * residual)
+    }
+
+    /// Whether the residual has fallen too little in the last iterations.
+    fn stalls(&self) -> bool {
+        let earlier = self.merits.len().checked_sub(self.settings.patience + 1);
+        earlier.is_some_and(|k| self.best.merit > self.settings.progress * self.merits[k])
     }
 
     /// Whether the point or its last step is a proof that the program has no solution.

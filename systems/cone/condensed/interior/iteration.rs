@@ -6,7 +6,6 @@ use super::point::{Interior, Warm, max_magnitude};
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::Scaled;
 use crate::condensed::settings::InteriorSettings;
-use crate::residuals::MIN_FORCE;
 
 /// Minimum of k at the start, force times displacement: a start without products is no reason to
 /// begin at the boundary.
@@ -195,7 +194,7 @@ impl<'a> Iteration<'a> {
 
     /// Maximum force, for comparison.
     fn force(&self) -> f64 {
-        self.sizes.force.max(MIN_FORCE)
+        self.sizes.force.max(self.settings.min_force)
     }
 
     /// Whether the point goes to infinity: kappa is larger than tau.
@@ -333,7 +332,10 @@ impl<'a> Iteration<'a> {
             for_each!(cell of cells => cell.predict(rho, &mut ahead));
             ahead
         });
-        let ahead = self.with_tau(ahead, rho, dk);
+        let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
+        if self.is_embedded {
+            ahead.add(1.0, self.k, rho, dk);
+        }
         let after = ahead.products_after() / self.products;
         let ratio = if self.mu > 0.0 { after / self.mu } else { 0.0 };
         (ratio.powi(3).min(1.0) * self.mu, rho * dk)
@@ -373,18 +375,12 @@ impl<'a> Iteration<'a> {
             });
             ahead
         });
-        let mut ahead = self.with_tau(ahead, rho, dk);
-        ahead.bound_growth(MAX_PRODUCTS);
-        self.make_step(ahead.length, rho, dk)
-    }
-
-    /// The way ahead of all interactions, and of tau and kappa.
-    fn with_tau(&self, ahead: Vec<Ahead>, rho: f64, dk: f64) -> Ahead {
         let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
         if self.is_embedded {
             ahead.add(1.0, self.k, rho, dk);
         }
-        ahead
+        ahead.bound_growth(MAX_PRODUCTS);
+        self.make_step(ahead.length, rho, dk)
     }
 
     /// Number of limits that have slack and multiplier, or violate either, by more than `size`.

@@ -19,8 +19,10 @@ use self::fast::SlowPart;
 use self::patches::Patches;
 use super::matrix::BodyMatrix;
 use super::newton::{Between, Goal, Newton, Point, Step, iterate};
+use super::rolling_spring::RollingSpring;
 use super::scaled::Scaled;
 use super::settings::{LineSearchSettings, LocalSettings, NewtonSettings};
+use super::spring::{Elastic, Spring};
 use crate::adjacency::Adjacency;
 
 /// Solves the program from the displacements `start` until the unbalance over the maximum force is
@@ -34,21 +36,22 @@ pub fn solve(
     local: &LocalSettings,
     goal: f64,
 ) -> Newton {
+    let patience = if program.is_damped() { newton.max_iterations } else { newton.patience };
+    let newton = NewtonSettings { patience, ..*newton };
+    let goal = Goal { relative: goal, absolute: 0.0 };
     let pairs = program.locals.iter().map(|l| program.pair(l));
     let adjacency = Adjacency::new(program.free.len(), pairs);
     let mut elimination = Elimination {
         adjacency,
         settings: local,
-        goal,
         last_length: 0.0,
         fast: Vec::new(),
         is_done: false,
     };
-    let goal = Goal { relative: goal, absolute: 0.0 };
     if program.locals.iter().any(|l| l.has[2]) {
-        iterate::<3>(program, matrix, start, newton, goal, &mut elimination)
+        iterate::<RollingSpring, 3>(program, matrix, start, &newton, goal, &mut elimination)
     } else {
-        iterate::<2>(program, matrix, start, newton, goal, &mut elimination)
+        iterate::<Spring, 2>(program, matrix, start, &newton, goal, &mut elimination)
     }
 }
 
@@ -56,8 +59,6 @@ pub fn solve(
 struct Elimination<'a> {
     adjacency: Adjacency,
     settings: &'a LocalSettings,
-    /// Unbalance of the whole program over its maximum force.
-    goal: f64,
     /// Length of the last step; 0 before the first.
     last_length: f64,
     /// Bodies that the last step left behind; empty if it left none.
@@ -66,10 +67,11 @@ struct Elimination<'a> {
     is_done: bool,
 }
 
-impl<const F: usize> Between<F> for Elimination<'_> {
-    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<F>) -> bool {
+impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
+    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool {
         let is_first = !std::mem::replace(&mut self.is_done, true);
-        let is_short = self.last_length < self.settings.short_step;
+        let is_short = point.unbalance > self.settings.min_unbalance * point.force
+            && self.last_length < self.settings.short_step;
         let moved =
             is_first && (is_short || !self.fast.is_empty()) && self.eliminate(program, point);
         if !moved {
@@ -81,7 +83,7 @@ impl<const F: usize> Between<F> for Elimination<'_> {
     fn change_step(
         &mut self,
         program: &Scaled,
-        point: &Point<F>,
+        point: &Point<S, F>,
         step: &mut Step<F>,
         search: &LineSearchSettings,
     ) {
@@ -103,7 +105,11 @@ impl<const F: usize> Between<F> for Elimination<'_> {
 impl Elimination<'_> {
     /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
     /// moved.
-    fn eliminate<const F: usize>(&self, program: &Scaled, point: &mut Point<F>) -> bool {
+    fn eliminate<S: Elastic<F>, const F: usize>(
+        &self,
+        program: &Scaled,
+        point: &mut Point<S, F>,
+    ) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let n = program.free.len();
         let unbalance: Vec<f64> = point.gradient[..n].iter().map(of_body).collect();
@@ -111,10 +117,16 @@ impl Elimination<'_> {
         let settings = self.settings;
         let is_seed =
             |i: usize| unbalance[i] > settings.share * maximum || self.fast.get(i) == Some(&true);
-        let patches = Patches::new(program, &self.adjacency, settings).grow(is_seed);
-        let goal = Goal { relative: self.goal, absolute: settings.residual * maximum };
-        let solutions =
-            patch::balance_all::<F>(program, &self.adjacency, settings, &patches, &point.u, goal);
+        let patches = Patches::new(program, &self.adjacency, settings, &point.e).grow(is_seed);
+        let goal = Goal { relative: settings.goal, absolute: settings.residual * maximum };
+        let solutions = patch::balance_all::<S, F>(
+            program,
+            &self.adjacency,
+            settings,
+            &patches,
+            &point.u,
+            goal,
+        );
         let mut moved = false;
         for (i, u) in solutions {
             point.u[i] = u;

@@ -5,13 +5,14 @@ use super::super::newton::{Goal, Nothing, iterate};
 use super::super::parallel::in_parallel;
 use super::super::scaled::{Local, Scaled};
 use super::super::settings::LocalSettings;
+use super::super::spring::Elastic;
 use crate::adjacency::Adjacency;
 
 /// Bodies with their displacements.
 type Moved = Vec<(usize, [f64; 3])>;
 
 /// Displacements of the bodies of all patches, each in balance with all others held at `u`.
-pub fn balance_all<const F: usize>(
+pub fn balance_all<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     adjacency: &Adjacency,
     settings: &LocalSettings,
@@ -20,13 +21,19 @@ pub fn balance_all<const F: usize>(
     goal: Goal,
 ) -> Moved {
     let balance =
-        |members: &Vec<usize>| balance::<F>(program, adjacency, settings, members, u, goal);
-    in_parallel(patches.iter(), balance).into_iter().flatten().flatten().collect()
+        |members: &Vec<usize>| balance::<S, F>(program, adjacency, settings, members, u, goal);
+    let bodies = patches.iter().map(Vec::len).sum::<usize>();
+    let solutions: Vec<Option<Moved>> = if bodies >= settings.min_parallel_bodies {
+        in_parallel(patches.iter(), balance)
+    } else {
+        patches.iter().map(balance).collect()
+    };
+    solutions.into_iter().flatten().flatten().collect()
 }
 
 /// Displacements of the `members` with all others held where `start` has them; `None` if the result
 /// is not finite.
-fn balance<const F: usize>(
+fn balance<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     adjacency: &Adjacency,
     settings: &LocalSettings,
@@ -74,7 +81,7 @@ fn balance<const F: usize>(
     };
     part.locals = used.iter().map(with_others_held).collect();
     let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
-    let result = iterate::<F>(&part, &mut matrix, &from, &settings.newton, goal, &mut Nothing);
+    let result = iterate::<S, F>(&part, &mut matrix, &from, &settings.newton, goal, &mut Nothing);
     if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
         return None;
     }

@@ -2,10 +2,11 @@
 //! compliance.
 //!
 //! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
-//! metric of the compliances ([`Spring`](super::spring::Spring)). The balance is then the gradient of
-//! a convex, piecewise quadratic function of u, and its generalised Hessian is the condensed matrix
-//! of the current regions. The derivative along a step is monotone and piecewise linear, and the line
-//! search finds its zero.
+//! metric of the compliances ([`Spring`](super::spring::Spring), and
+//! [`RollingSpring`](super::rolling_spring::RollingSpring) with a rolling moment). The balance is then the gradient of a convex, piecewise
+//! quadratic function of u, and its generalised Hessian is the condensed matrix of the current
+//! regions. The derivative along a step is monotone and piecewise linear, and the line search finds
+//! its zero.
 //!
 //! What else happens between two steps is up to the caller: see [`Between`].
 
@@ -15,6 +16,7 @@ pub use self::point::{Point, Step};
 use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::{LineSearchSettings, NewtonSettings};
+use super::spring::Elastic;
 
 /// Unbalance at which the iteration is done: the looser of the two counts.
 #[derive(Clone, Copy, Debug)]
@@ -38,28 +40,38 @@ pub struct Newton {
 }
 
 /// What the caller does between two steps of an iteration with `F` forces an interaction.
-pub trait Between<const F: usize> {
+pub trait Between<S: Elastic<F>, const F: usize> {
     /// May change the displacements of the point before the next step; whether it did. The point is
     /// then evaluated again.
-    fn move_bodies(&mut self, _program: &Scaled, _point: &mut Point<F>) -> bool {
-        false
-    }
+    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool;
 
     /// May change a step and its length after the line search.
     fn change_step(
         &mut self,
-        _program: &Scaled,
-        _point: &Point<F>,
-        _step: &mut Step<F>,
-        _search: &LineSearchSettings,
-    ) {
-    }
+        program: &Scaled,
+        point: &Point<S, F>,
+        step: &mut Step<F>,
+        search: &LineSearchSettings,
+    );
 }
 
 /// Nothing happens between two steps.
 pub struct Nothing;
 
-impl<const F: usize> Between<F> for Nothing {}
+impl<S: Elastic<F>, const F: usize> Between<S, F> for Nothing {
+    fn move_bodies(&mut self, _: &Scaled, _: &mut Point<S, F>) -> bool {
+        false
+    }
+
+    fn change_step(
+        &mut self,
+        _: &Scaled,
+        _: &Point<S, F>,
+        _: &mut Step<F>,
+        _: &LineSearchSettings,
+    ) {
+    }
+}
 
 /// Whether every force of the program has a compliance.
 #[must_use]
@@ -69,22 +81,21 @@ pub fn applies(program: &Scaled) -> bool {
 
 /// Runs the iteration from the displacements `start`.
 #[must_use]
-pub fn iterate<const F: usize>(
+pub fn iterate<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
     settings: &NewtonSettings,
     goal: Goal,
-    between: &mut impl Between<F>,
+    between: &mut impl Between<S, F>,
 ) -> Newton {
-    let mut point = Point::<F>::new(program, start);
+    let mut point = Point::<S, F>::new(program, start);
     let mut step = Step::new(program);
     let (mut iterations, mut tiny_steps) = (0, 0);
-    let is_damped = program.is_damped();
+    let mut damping = settings.damping;
     loop {
-        point.evaluate(program);
-        let is_lost = 2 * iterations >= settings.max_iterations
-            && !is_damped
+        point.evaluate(program, settings.min_force);
+        let is_lost = iterations >= settings.patience
             && point.unbalance > settings.max_late_unbalance * point.force;
         let gives_up = iterations >= settings.max_iterations
             || tiny_steps >= settings.max_tiny_steps
@@ -96,10 +107,11 @@ pub fn iterate<const F: usize>(
             continue;
         }
         iterations += 1;
-        point.assemble(program, matrix, settings.damping);
+        point.assemble(program, matrix, damping);
         if !point.find_step(program, matrix, &mut step) {
             break;
         }
+        damping = (0.5 * damping).max(settings.min_damping);
         step.length = point.search(program, &step.du, &step.de, &settings.line_search);
         between.change_step(program, &point, &mut step, &settings.line_search);
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
@@ -115,6 +127,7 @@ mod tests {
     use glam::DVec2;
 
     use super::super::samples::{column, contact, held, loaded, posed};
+    use super::super::spring::Spring;
     use super::*;
     use crate::program::ConeProgram;
 
@@ -125,7 +138,8 @@ mod tests {
         assert!(applies(&scaled));
         let start = vec![[0.0; 3]; scaled.free.len()];
         let settings = NewtonSettings::default();
-        let result = iterate::<2>(&scaled, &mut matrix, &start, &settings, GOAL, &mut Nothing);
+        let result =
+            iterate::<Spring, 2>(&scaled, &mut matrix, &start, &settings, GOAL, &mut Nothing);
         (result, place)
     }
 
@@ -179,8 +193,8 @@ mod tests {
     #[test]
     fn the_caller_may_move_bodies_between_steps() {
         struct Solution(u32);
-        impl Between<2> for Solution {
-            fn move_bodies(&mut self, _: &Scaled, point: &mut Point<2>) -> bool {
+        impl Between<Spring, 2> for Solution {
+            fn move_bodies(&mut self, _: &Scaled, point: &mut Point<Spring, 2>) -> bool {
                 self.0 += 1;
                 for (u, g) in point.u.iter_mut().zip(&point.gradient) {
                     u[1] -= 0.1 * g[1];
@@ -190,7 +204,7 @@ mod tests {
             fn change_step(
                 &mut self,
                 _: &Scaled,
-                _: &Point<2>,
+                _: &Point<Spring, 2>,
                 _: &mut Step<2>,
                 _: &LineSearchSettings,
             ) {

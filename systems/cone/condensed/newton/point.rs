@@ -5,8 +5,7 @@ use crate::condensed::line_search::line_search;
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::{Local, Scaled, add_forces, kinematics};
 use crate::condensed::settings::LineSearchSettings;
-use crate::condensed::spring::{Response, Spring};
-use crate::residuals::MIN_FORCE;
+use crate::condensed::spring::{Elastic, Response};
 
 /// The bodies of an interaction and the rows of its forces.
 struct Arms<const F: usize> {
@@ -27,8 +26,8 @@ impl<const F: usize> Arms<F> {
 
 /// A point of the iteration, and what follows from its displacements, for interactions with `F`
 /// forces.
-pub struct Point<const F: usize> {
-    springs: Vec<Spring<F>>,
+pub struct Point<S, const F: usize> {
+    springs: Vec<S>,
     arms: Vec<Arms<F>>,
     responses: Vec<Response<F>>,
     /// Displacements by body, then by image.
@@ -37,7 +36,7 @@ pub struct Point<const F: usize> {
     pub e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
-    /// Maximum force of the interactions, at least [`MIN_FORCE`].
+    /// Maximum force of the interactions, and at least the minimum of the settings.
     pub force: f64,
     /// Maximum out-of-balance force.
     pub unbalance: f64,
@@ -60,11 +59,11 @@ impl<const F: usize> Step<F> {
     }
 }
 
-impl<const F: usize> Point<F> {
+impl<S: Elastic<F>, const F: usize> Point<S, F> {
     pub(super) fn new(program: &Scaled, start: &[[f64; 3]]) -> Self {
         let count = program.locals.len();
         Self {
-            springs: program.locals.iter().map(Spring::new).collect(),
+            springs: program.locals.iter().map(S::new).collect(),
             arms: program.locals.iter().map(Arms::new).collect(),
             responses: vec![Response::default(); count],
             u: program.with_known(start),
@@ -76,10 +75,10 @@ impl<const F: usize> Point<F> {
     }
 
     /// Computes forces and out-of-balance forces from the displacements.
-    pub(super) fn evaluate(&mut self, program: &Scaled) {
+    pub(super) fn evaluate(&mut self, program: &Scaled, min_force: f64) {
         program.images.spread(&mut self.u);
         program.balance_of_bodies(&self.u, &mut self.gradient);
-        let mut force = MIN_FORCE;
+        let mut force = min_force;
         for (k, (spring, arms)) in self.springs.iter().zip(&self.arms).enumerate() {
             self.e[k] = arms.kinematics(&self.u);
             self.responses[k] = spring.respond(self.e[k]);

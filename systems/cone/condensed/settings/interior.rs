@@ -52,6 +52,10 @@ pub struct InteriorSettings {
     ///
     /// 0.02: decision 001.
     pub product_weight: f64,
+    /// Minimum force that the residual is relative to.
+    ///
+    /// 1e-3: where no contact carries a force, the loads count, and they are of the order of 1.
+    pub min_force: f64,
     /// Residual over the goal at which a point may end the method, if it is good enough and the
     /// method is slow. Only for exact goals.
     ///
@@ -62,6 +66,14 @@ pub struct InteriorSettings {
     ///
     /// 0.3: decision 001.
     pub slow: f64,
+    /// Number of iterations in which the best residual must fall by [`progress`](Self::progress).
+    ///
+    /// 20: decision 001.
+    pub patience: usize,
+    /// Factor by which the best residual must fall in [`patience`](Self::patience) iterations.
+    ///
+    /// 0.1: decision 001.
+    pub progress: f64,
     /// Maximum number of Newton steps that decide limits, in each of two passes.
     ///
     /// 4: with 2 solutions differ by 3e-7, with 8 by 8e-9 (decision 001).
@@ -90,8 +102,11 @@ impl Default for InteriorSettings {
             min_compliance: [1e-9, 1e-6],
             refined: 1e-4,
             product_weight: 0.02,
+            min_force: 1e-3,
             near: 10.0,
             slow: 0.3,
+            patience: 20,
+            progress: 0.1,
             max_decisions: 4,
             decided: 1e-4,
             step: [0.99, 0.9995],

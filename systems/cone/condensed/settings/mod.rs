@@ -16,7 +16,7 @@ pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
-pub(crate) const DEFAULT_RESIDUAL: f64 = 1e-8;
+const DEFAULT_RESIDUAL: f64 = 1e-8;
 
 /// Settings of the condensed solver. serde reads and writes the numbers of the solver as a whole,
 /// except the safety factor.
@@ -27,16 +27,20 @@ pub struct CondensedSettings {
     /// Maximum residual of a solution, without dimension. A program may allow more
     /// ([`ConeSolver::solve`](crate::solver::ConeSolver::solve)).
     ///
-    /// 0.9 times the default tolerance of increments, 1e-8. A program's tolerance above that is loose:
-    /// active limits are not decided, and dynamic programs end with the first point within it, which saves an
-    /// eighth of the iterations. It must not happen in statics, where it threw grains in 129 of 169
-    /// increments (decision 006).
+    /// 0.9 times the default tolerance of increments, 1e-8.
     pub tolerance: f64,
     /// Safety factor on the tolerance that a program states.
     ///
     /// 0.9: the judge of the increment computes the residual again, with different round-off.
     #[serde(skip)]
     pub safety: f64,
+    /// A tolerance above this is loose: active limits are not decided, and dynamic programs end with
+    /// the first point within the tolerance.
+    ///
+    /// The default tolerance. Ending with the first point saves an eighth of the iterations in
+    /// dynamics. It must not happen in statics, where it threw grains in 129 of 169 increments
+    /// (decision 006).
+    pub loose_tolerance: f64,
     /// Tolerance over the goal of the Newton iteration. The iteration measures the unbalance, which
     /// is not the residual of the program.
     ///
@@ -84,6 +88,7 @@ impl Default for CondensedSettings {
         Self {
             tolerance: safety * DEFAULT_RESIDUAL,
             safety,
+            loose_tolerance: safety * DEFAULT_RESIDUAL,
             newton_margin: 90.0,
             loose_newton_margin: 3.0,
             interior_margin: 900.0,

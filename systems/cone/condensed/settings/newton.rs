@@ -18,17 +18,30 @@ pub struct NewtonSettings {
     ///
     /// 4 for the whole program: decision 001.
     pub max_tiny_steps: u32,
-    /// Maximum unbalance over the maximum force after half of the factorisations: from a start near the
-    /// solution a few get there. Where all bodies are damped it is no condition.
+    /// Number of factorisations after which the unbalance must be below
+    /// [`max_late_unbalance`](Self::max_late_unbalance).
+    ///
+    /// 8 for the whole program: from a start near the solution a few factorisations get there.
+    /// Where all bodies are damped it is [`max_iterations`](Self::max_iterations).
+    pub patience: u32,
+    /// Maximum unbalance after [`patience`](Self::patience) factorisations, over the maximum force.
     ///
     /// 1e-2: no iteration of decision 001 is within a factor of two of it after 8 factorisations.
     pub max_late_unbalance: f64,
-    /// Damping of the matrix: added to its diagonal, force over displacement. Keeps a step short where
-    /// nothing is stiff, and is small beside the stiffness of a contact, which is of the order of 1.
+    /// Damping of the first matrix: added to its diagonal, force over displacement. Halved by every
+    /// factorisation. Keeps a step short where nothing is stiff.
     ///
     /// 1e-10 for the whole program, 1e-6 for patches. With less damping in patches than before, and
     /// patches of up to 1500 bodies, a tenth to a fifth of the time was saved (decision 007).
     pub damping: f64,
+    /// Minimum damping, force over displacement.
+    ///
+    /// 1e-10: small beside the stiffness of a contact, which is of the order of 1.
+    pub min_damping: f64,
+    /// Minimum force that the unbalance is compared with.
+    ///
+    /// 1e-3: where no contact carries a force, the loads count, and they are of the order of 1.
+    pub min_force: f64,
     /// Line search along a step.
     pub line_search: LineSearchSettings,
 }
@@ -39,8 +52,11 @@ impl Default for NewtonSettings {
             max_iterations: 16,
             tiny_step: 0.02,
             max_tiny_steps: 4,
+            patience: 8,
             max_late_unbalance: 1e-2,
             damping: 1e-10,
+            min_damping: 1e-10,
+            min_force: 1e-3,
             line_search: LineSearchSettings::default(),
         }
     }
@@ -58,13 +74,22 @@ pub struct LineSearchSettings {
     pub max_slope: f64,
     /// Maximum number of evaluations of the derivative.
     ///
-    /// 30: a bisection gains a factor of 1e9 with as many. It bounds the length of a step as well.
+    /// 30: a bisection gains a factor of 1e9 with as many.
     pub max_evaluations: u32,
+    /// Maximum length of a step, as a multiple of the Newton step. Nothing holds the bodies of a
+    /// longer one.
+    ///
+    /// 1e6: a guard against steps without end. Inert in decision 001.
+    pub max_length: f64,
+    /// Width of the bracket of the zero, over its upper end, at which the search ends.
+    ///
+    /// 1e-9: the derivative jumps within it.
+    pub min_bracket: f64,
 }
 
 impl Default for LineSearchSettings {
     fn default() -> Self {
-        Self { max_slope: 0.02, max_evaluations: 30 }
+        Self { max_slope: 0.02, max_evaluations: 30, max_length: 1e6, min_bracket: 1e-9 }
     }
 }
 
@@ -77,6 +102,10 @@ pub struct LocalSettings {
     ///
     /// 0.7: decision 001.
     pub short_step: f64,
+    /// Minimum unbalance at which bodies are eliminated, over the maximum force.
+    ///
+    /// 1e-9: decision 001.
+    pub min_unbalance: f64,
     /// Unbalance above which a body is eliminated, as a fraction of the maximum unbalance.
     ///
     /// 0.05: fractions of 1 to 10 % change the time by a tenth (decision 007).
@@ -95,12 +124,24 @@ pub struct LocalSettings {
     ///
     /// 32: a disk among equal ones has at most six contacts.
     pub max_interactions: usize,
-    /// Unbalance that a patch may keep, over the maximum unbalance before. It may also keep what the
-    /// whole program may, over its own maximum force.
+    /// Maximum gap of a contact that joins two bodies to a patch.
+    ///
+    /// 50: far enough that the step of a patch does not close it unseen. Inert in decision 001.
+    pub max_gap: f64,
+    /// Minimum number of eliminated bodies for which patches are distributed among threads. Changes
+    /// no result.
+    ///
+    /// 300: distributing less costs more time than it saves.
+    pub min_parallel_bodies: usize,
+    /// Unbalance that a patch may keep, over the maximum unbalance before.
     ///
     /// 1e-8: if all but a few clusters are elastic, the unbalance of a patch becomes the residual
     /// of the whole program after the next step.
     pub residual: f64,
+    /// Unbalance that a patch may keep, over its maximum force: the looser of the two goals counts.
+    ///
+    /// 1e-10: decision 001.
+    pub goal: f64,
     /// A body is fast if its step exceeds this many times the
     /// [`fast_quantile`](Self::fast_quantile) of all steps.
     ///
@@ -122,17 +163,22 @@ impl Default for LocalSettings {
     fn default() -> Self {
         Self {
             short_step: 0.7,
+            min_unbalance: 1e-9,
             share: 0.05,
             rings: 2,
             max_bodies: 1500,
             max_interactions: 32,
+            max_gap: 50.0,
+            min_parallel_bodies: 300,
             residual: 1e-8,
+            goal: 1e-10,
             fast: 2.0,
             fast_quantile: 0.97,
             min_gain: 2.0,
             newton: NewtonSettings {
                 max_iterations: 30,
                 max_tiny_steps: 30,
+                patience: 30,
                 damping: 1e-6,
                 ..NewtonSettings::default()
             },
