@@ -211,8 +211,11 @@ fn a_reader_finds_what_the_engine_has() {
 }
 
 #[test]
-fn runs_with_frames_have_a_page_and_others_on_demand() {
-    let (done, out) = run("tension", &[]);
+fn runs_with_pictures_have_a_page_and_others_on_demand() {
+    let (done, with) = run("tension", &[]);
+    done.code(0);
+    assert!(read(with.path(), "report.html").contains("id=\"frame0\""));
+    let (done, out) = run("tension", &["--set", "output.plots=false"]);
     done.code(0);
     let out = out.path();
     assert!(!out.join("report.html").exists());
