@@ -35,6 +35,7 @@ pub mod atomic;
 pub(crate) mod avalanches;
 mod begin;
 pub mod checkpoint;
+#[cfg(feature = "report")]
 mod corners;
 pub mod csv_file;
 pub mod directory;
