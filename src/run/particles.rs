@@ -62,6 +62,8 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
             lattice(*columns, *rows, *radius, (*origin).into(), material.as_ref())
         }
         Specimen::Packing { count, columns, spacing, origin, sizes, seed, material } => {
+            // A packing without columns is refused, after its other mistakes were looked for.
+            let columns = &(*columns).max(1);
             let mut random = Random::new(*seed);
             let sieved = match sizes {
                 Sizes::Sieve { passing } => sieve::radii(passing, *count, *seed),

@@ -81,7 +81,9 @@ pub(super) fn carry_themselves(
     let all: Vec<usize> = (0..n).filter(|i| moves[*i]).collect();
     let held = |i: usize| bodies.drives[i] != [BodyDrive::Free; 3] || bodies.group(i).is_some();
     let on_wall = bodies.bonds.iter().any(|bond| bond.b as usize >= n && moves[bond.a as usize]);
-    if 2 * all.len() > n || on_wall || all.iter().any(|i| held(*i) || bodies.has_load(*i)) {
+    // Those that were set aside before count too: the specimen must not go grain by grain.
+    let gone = (0..n).filter(|i| moves[*i] || bodies.set_aside[*i]).count();
+    if 2 * gone > n || on_wall || all.iter().any(|i| held(*i) || bodies.has_load(*i)) {
         return None;
     }
     let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
