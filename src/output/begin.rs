@@ -26,7 +26,7 @@ use crate::scene::format::Scene;
 
 /// Begins the output of a scene. `world` is the state before the first stage, and has
 /// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
-/// the run: [`PreparedSpecimen`], [`CurrentAvalanche`].
+/// the run: `PreparedSpecimen`, `CurrentAvalanche`.
 ///
 /// ```
 /// use clastic::output::{self, Ending, OutputPlugin, RunOptions};

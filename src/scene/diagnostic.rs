@@ -84,7 +84,7 @@ fn say(f: &mut fmt::Formatter<'_>, path: &str, message: &str, help: Option<&str>
 pub struct SceneErrors {
     /// The scene file.
     pub file: PathBuf,
-    /// The diagnostics, at most [`MAX_SHOWN`] of them.
+    /// The diagnostics, at most `MAX_SHOWN` of them.
     pub list: Vec<Diagnostic>,
     /// Number of further mistakes that were found.
     pub omitted: usize,

@@ -14,7 +14,7 @@ use super::restraints::{takes_part, translations};
 use super::set_aside::carry_themselves;
 use crate::motion_settings::MotionSettings;
 
-/// Calls a mechanism of [`loose`] grains one, whose motion is followed. Where no further motion may
+/// Calls a mechanism of loose grains one, whose motion is followed. Where no further motion may
 /// begin, those that carry nothing but themselves are set aside where they are.
 pub fn judge(
     mut bodies: ResMut<BodyTable>,
