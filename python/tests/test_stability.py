@@ -190,6 +190,17 @@ def test_a_grain_that_falls_is_no_slide(tmp_path: Path, floor: str) -> None:
     assert run.history["sliding"].iloc[-1] == 1.0
 
 
+def test_grains_that_fall_without_end_are_neither_slide_nor_rest(tmp_path: Path) -> None:
+    """Two of three disks fall, 7 % of the mass: no slide, but more than half of the grains, which no static stage sets aside."""
+    load = Ramp("gravity", 4.0, height=4.0, gravity=9.81)
+    disk = '(position: (0.0, -0.1), radius: 0.1, material: "weak"),'
+    deep = HANGING.replace("-10.5", "-100.0").replace(disk, disk + disk.replace("0.0, -0.1", "0.5, -0.1"))
+    run = clastic.run(deep, {"stages.ramp.scale": load.table(0.0)}, tmp_path / "run", progress=False)
+    assert run.status == "collapsed"
+    with pytest.raises(ValueError, match="slide_1 ended by .* add walls that stop loose grains"):
+        load.follow(run)
+
+
 def test_the_table_of_runs_has_the_order_of_the_work(tmp_path: Path, scene: Path) -> None:
     """The first work ends last, and the third has the text of the first, which is its run."""
     folders = Folders(tmp_path / "runs", 3)

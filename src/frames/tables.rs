@@ -4,8 +4,8 @@ use super::files::FrameError;
 use super::{Frame, FrameBodies, FrameMembranes, FramePairs, FrameWalls, NONE, STATES};
 use crate::tables::{Array, Column, TableError, Tables};
 
-/// Columns of a struct as arrays of these names, and back. `[KEY + MORE]` is the number of rows of
-/// the columns that follow: that of the array `KEY`, and so many more.
+/// Columns of a struct as arrays of these names, and back. The columns after `[KEY + MORE]` have MORE
+/// rows more than the array `KEY`.
 macro_rules! columns {
     ($type:ident, $prefix:literal, $([$key:literal + $more:literal] $($field:ident)*),*) => {
         impl $type {

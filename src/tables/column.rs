@@ -6,7 +6,7 @@ use super::{Array, TableError, Tables};
 pub(crate) trait Column: Sized {
     /// The values as an array.
     fn array(&self) -> Array;
-    /// The values of an array with so many rows.
+    /// Reads the array `name`, which must have this number of rows.
     fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError>;
 }
 

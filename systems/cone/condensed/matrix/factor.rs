@@ -190,7 +190,7 @@ impl<A: Arithmetic> Factor<A> {
         upward(&fronts.sizes, parts, &|task, below, part| {
             gather_below(fronts, task, right, below, &mut part.work);
             current.with(|current| {
-                instructions.dispatch(Forward(Solve { fronts, task, part, current }));
+                instructions.dispatch(Solve { fronts, task, part, current, backward: false });
             });
             true
         });
@@ -210,7 +210,7 @@ impl<A: Arithmetic> Factor<A> {
                 }
             }
             current.with(|current| {
-                instructions.dispatch(Backward(Solve { fronts, task, part, current }));
+                instructions.dispatch(Solve { fronts, task, part, current, backward: true });
             });
             x.copy_from_slice(&part.work[..x.len()]);
         });
@@ -329,40 +329,28 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
     }
 }
 
-/// Solve of the work of a task.
+/// Forward or backward solve of the work of a task.
 struct Solve<'a, A: Arithmetic> {
     fronts: &'a Fronts,
     task: usize,
     part: &'a mut Part<A>,
     current: &'a mut Current<A::Current>,
+    backward: bool,
 }
 
-/// Forward solve of a task.
-struct Forward<'a, A: Arithmetic>(Solve<'a, A>);
-
-impl<A: Arithmetic> WithSimd for Forward<'_, A> {
+impl<A: Arithmetic> WithSimd for Solve<'_, A> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Solve { fronts, task, part, current } = self.0;
+        let Self { fronts, task, part, current, backward } = self;
         current.fit(part.local);
-        for at in At::all(fronts, task) {
-            solve_front(&part.factor, at, &mut part.work, &mut current.local);
+        if !backward {
+            for at in At::all(fronts, task) {
+                solve_front(&part.factor, at, &mut part.work, &mut current.local);
+            }
+            return;
         }
-    }
-}
-
-/// Backward solve of a task, from its last front to the first.
-struct Backward<'a, A: Arithmetic>(Solve<'a, A>);
-
-impl<A: Arithmetic> WithSimd for Backward<'_, A> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, _: S) {
-        let Solve { fronts, task, part, current } = self.0;
-        current.fit(part.local);
         for at in At::all(fronts, task).rev() {
             let local = gather(at, &part.work, &mut current.local);
             part.factor.backward(at, local);
