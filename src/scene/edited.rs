@@ -24,16 +24,18 @@ pub struct Source<'a> {
 #[derive(Clone, Debug)]
 struct Piece {
     length: usize,
-    /// Byte of the file where the piece begins, or where a setting inserted it.
+    /// Byte of the file where the piece begins, or where it was put in.
     at: usize,
+    /// Whether it was put in. All of it then comes from one byte of the file.
+    is_new: bool,
     set: Option<String>,
 }
 
 impl Piece {
     /// Splits the piece. Either part may be empty.
     fn split(self, length: usize) -> [Self; 2] {
-        let at = self.at + if self.set.is_none() { length } else { 0 };
-        let rest = Self { length: self.length - length, at, set: self.set.clone() };
+        let at = self.at + if self.is_new { 0 } else { length };
+        let rest = Self { length: self.length - length, at, set: self.set.clone(), ..self };
         [Self { length, ..self }, rest]
     }
 }
@@ -41,7 +43,7 @@ impl Piece {
 impl EditedText {
     /// A text without settings.
     pub fn of(file: &str) -> Self {
-        let pieces = vec![Piece { length: file.len(), at: 0, set: None }];
+        let pieces = vec![Piece { length: file.len(), at: 0, is_new: false, set: None }];
         Self { text: file.to_owned(), file: file.to_owned(), pieces }
     }
 
@@ -66,7 +68,7 @@ impl EditedText {
         self.text.replace_range(span.clone(), new);
         let mut pieces = Vec::with_capacity(self.pieces.len() + 2);
         let mut start = 0;
-        let put_in = Piece { length: new.len(), at, set };
+        let put_in = Piece { length: new.len(), at, is_new: true, set };
         let mut put_in = Some(put_in);
         for piece in self.pieces.drain(..) {
             let end = start + piece.length;
@@ -90,7 +92,7 @@ impl EditedText {
         let mut start = 0;
         for piece in &self.pieces {
             if at < start + piece.length {
-                let inside = if piece.set.is_none() { at - start } else { 0 };
+                let inside = if piece.is_new { 0 } else { at - start };
                 return Source { at: piece.at + inside, set: piece.set.as_deref() };
             }
             start += piece.length;

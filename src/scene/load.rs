@@ -4,6 +4,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::courses::gather;
 use super::diagnose::{Diagnosis, diagnose};
 use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
 use super::dialect::ron_options;
@@ -15,7 +16,7 @@ use super::repeats::Written;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
 use super::validate::findings;
-use super::values;
+use super::values::{self, Values};
 
 /// A scene that was read and checked.
 #[derive(Clone, Debug)]
@@ -184,9 +185,11 @@ fn from_text(
 ) -> Result<LoadedScene, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let edited = apply(text, sets).map_err(LoadError::Set)?;
-    let (read_text, misused) = values::put_in(&edited);
+    let Values { text: read_text, findings: misused, tables, made_up: no_values } =
+        values::put_in(&edited);
     let text = read_text.text.as_str();
-    let Diagnosis { mut scene, mut placed, made_up, renamed } = parse(text);
+    let Diagnosis { mut scene, mut placed, mut made_up, renamed } = parse(text);
+    made_up.extend(no_values);
     placed.extend(place(text, misused, &renamed));
     let mut csv_errors = None;
     let mut specimen = None;
@@ -218,7 +221,7 @@ fn from_text(
         let mut found = written.place(found);
         found.extend(written.findings);
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
-        placed.extend(place(text, found, &renamed));
+        placed.extend(gather(place(text, found, &renamed), &tables));
     }
     if let Some(error) = addressed_nothing(&read_text, &placed) {
         return Err(LoadError::Set(error));

@@ -1,12 +1,14 @@
 //! Scenes: the text format, its reader, and the checks before a run.
 //!
 //! A scene goes from text to [`LoadedScene`] in five steps, one file each: [`overrides`] edits the
-//! text, `values` puts the values of `let` in place of their names, `ron` reads it into the types
+//! text, `values` puts the values of `let` in place of their names, and points in place of the
+//! expressions of tables, `ron` reads it into the types
 //! of [`format`](mod@format), [`specimen_file`] reads a stored specimen, and [`validate`] checks
 //! the meaning. A text that `ron` refuses is read a second time by `reader`, which does not stop at
 //! the first mistake.
 
 mod coincident;
+mod courses;
 pub(crate) mod diagnostic;
 mod dialect;
 pub mod edited;

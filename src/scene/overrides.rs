@@ -140,7 +140,7 @@ impl Place {
     fn refusal(&self, text: &str, new: &str) -> Option<(String, Option<String>)> {
         let mut edited = text.to_owned();
         edited.replace_range(self.span.clone(), new);
-        let (read_text, _) = values::put_in(&EditedText::of(&edited));
+        let read_text = values::put_in(&EditedText::of(&edited)).text;
         if ron_options().from_str::<Scene>(&read_text.text).is_ok() {
             return None;
         }

@@ -3,8 +3,9 @@
 //! The text has numbers in place of names and expressions before it is read. Messages keep the
 //! places of the file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
+use super::courses;
 use super::diagnostic::Finding;
 use super::dimension::{Dimension, Known, conflict, solve};
 use super::edited::EditedText;
@@ -21,6 +22,8 @@ struct Use {
     path: String,
     expression: Expression,
     unit: Option<&'static str>,
+    /// Names with a value in every increment, if it stands for the points of a table.
+    own: &'static [&'static str],
 }
 
 impl Use {
@@ -61,27 +64,58 @@ pub(super) fn names(root: &Node) -> Vec<String> {
     defined_names(root).into_keys().collect()
 }
 
-/// Puts numbers in place of names and expressions. Returns the new text, and mistakes in their use.
-pub(super) fn put_in(edited: &EditedText) -> (EditedText, Vec<Finding>) {
+/// A text with numbers in place of names and expressions.
+pub(super) struct Values {
+    /// The text.
+    pub text: EditedText,
+    /// Mistakes in the use of names and expressions.
+    pub findings: Vec<Finding>,
+    /// Tables that expressions stood for: path and number of increments.
+    pub tables: Vec<(String, f64)>,
+    /// Paths of such tables whose points are made up.
+    pub made_up: Vec<String>,
+}
+
+/// Puts numbers in place of names and expressions.
+pub(super) fn put_in(edited: &EditedText) -> Values {
     let text = edited.text.as_str();
-    let Some(root) = scan(text).0 else { return (edited.clone(), Vec::new()) };
+    let mut new = Values {
+        text: edited.clone(),
+        findings: Vec::new(),
+        tables: Vec::new(),
+        made_up: Vec::new(),
+    };
+    let Some(root) = scan(text).0 else { return new };
     let places = defined_names(&root);
     let mut uses = Vec::new();
     for entry in &root.entries {
         let Some(key) = &entry.key else { continue };
         walk(&entry.value, text, key.text.clone(), unit_of(&key.text, None), &mut uses);
     }
+    let courses = courses::find(&root, text);
+    let parts: BTreeSet<_> =
+        courses.iter().flat_map(|course| &course.parts).map(|part| part.span.start).collect();
+    uses.retain(|at| !parts.contains(&at.span.start));
+    for course in &courses {
+        for (part, (path, expression)) in course.parts.iter().zip(course.expressions(text)) {
+            let Some(expression) = expression else { continue };
+            let (span, unit) = (part.span.clone(), Some(course.unit));
+            uses.push(Use { span, path, expression, unit, own: course.names() });
+        }
+    }
+    uses.sort_by_key(|at| at.span.start);
     let known = |at: &Use| {
         let mut known = true;
-        at.expression.names(&mut |name| known &= places.contains_key(name));
+        at.expression
+            .names(&mut |name| known &= places.contains_key(name) || at.own.contains(&name));
         known
     };
     uses.retain(known);
-    let findings = findings(text, &places, &uses);
+    new.findings = findings(text, &places, &uses);
     let numbers = numbers(text, &root, &uses);
     let value = |name: &str| Some(numbers.get(name)?.0);
-    let mut new = edited.clone();
-    for at in uses.iter().rev() {
+    let mut texts = Vec::new();
+    for at in uses.iter().filter(|at| at.own.is_empty()) {
         let number = match &at.expression {
             // As it is written: a seed has more digits than a number with a point.
             Expression::Name(name) if numbers.contains_key(name) => numbers[name].1.clone(),
@@ -90,9 +124,24 @@ pub(super) fn put_in(edited: &EditedText) -> (EditedText, Vec<Finding>) {
                 None => continue,
             },
         };
-        new.put_in(at.span.clone(), &number);
+        texts.push((at.span.clone(), number));
     }
-    (new, findings)
+    let names: Vec<String> = places.into_keys().collect();
+    let mut left = courses::MOST;
+    for course in &courses {
+        let sampled = course.sample(text, &names, &value, &mut left);
+        texts.extend(sampled.texts);
+        if !sampled.findings.is_empty() {
+            new.made_up.push(course.path.clone());
+        }
+        new.findings.extend(sampled.findings);
+        new.tables.push((course.path.clone(), sampled.increments));
+    }
+    texts.sort_by_key(|(span, _)| span.start);
+    for (span, number) in texts.into_iter().rev() {
+        new.text.put_in(span, &number);
+    }
+    new
 }
 
 /// Values of names, and their texts.
@@ -137,6 +186,12 @@ fn findings(text: &str, places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Fi
             findings.push(at_key(&path, message, help.to_owned()));
             continue;
         }
+        let course = uses.iter().find(|at| at.own.contains(&name.as_str()) && at.has(name));
+        if let Some(Use { path: at, .. }) = course {
+            let what = if name == "s" { "progress" } else { "time" };
+            let message = format!("`{name}` is the {what} of the stage at {at}");
+            findings.push(at_key(&path, message, format!("give `{name}` another name in `let`")));
+        }
         if !uses.iter().any(|at| at.has(name)) {
             let others = places.keys().map(String::as_str).filter(|other| other != name);
             let help = match suggest::nearest(name, others) {
@@ -157,8 +212,15 @@ fn findings(text: &str, places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Fi
             findings.push(Finding::new(&at.path, message, help));
         }
     }
+    for (name, unit) in [("s", ""), ("t", "s")] {
+        if !places.contains_key(name) {
+            known.insert(name.to_owned(), Dimension::of_unit(unit).powers());
+        }
+    }
     // Names that stand alone are compared above.
-    let composite = uses.iter().filter(|at| at.unit.is_none() || at.name().is_none());
+    let composite = uses
+        .iter()
+        .filter(|at| at.unit.is_none() || at.name().is_none_or(|name| at.own.contains(&name)));
     let pairs: Vec<_> = composite.map(|at| (at, pairs(at, places))).collect();
     let all: Vec<_> = pairs.iter().flat_map(|(_, pairs)| pairs).collect();
     solve(&all, &mut known);
@@ -185,13 +247,13 @@ fn pairs(at: &Use, places: &BTreeMap<String, Span>) -> Vec<[Dimension; 2]> {
     pairs
 }
 
-fn a_number(unit: &str) -> String {
+pub(super) fn a_number(unit: &str) -> String {
     if unit.is_empty() { "a plain number".to_owned() } else { format!("a number in {unit}") }
 }
 
 /// Whether a word can stand for a number. Words of the format begin with a capital, apart from
 /// these.
-fn is_name(name: &str) -> bool {
+pub(super) fn is_name(name: &str) -> bool {
     let first = |c: char| c.is_lowercase() || c == '_';
     name.starts_with(first)
         && name.chars().all(|c| c.is_alphanumeric() || c == '_')
@@ -212,7 +274,7 @@ fn expression(node: &Node, text: &str) -> Option<Expression> {
 /// reader.
 fn walk(node: &Node, text: &str, path: String, unit: Option<&'static str>, uses: &mut Vec<Use>) {
     if let Some(expression) = expression(node, text) {
-        uses.push(Use { span: node.span.clone(), path, expression, unit });
+        uses.push(Use { span: node.span.clone(), path, expression, unit, own: &[] });
         return;
     }
     let variant = node.name.clone().and_then(|name| text.get(name));

@@ -6,6 +6,7 @@
 use std::f64::consts::PI;
 
 use super::dimension::Dimension;
+use super::units;
 
 /// Maximum length of an expression in bytes. It bounds the depth of the recursion.
 const LONGEST: usize = 1000;
@@ -128,7 +129,20 @@ impl<'t> Parser<'t> {
             return Err(format!("a number or a name was due at `{first}`"));
         }
         if !first.is_alphabetic() && first != '_' {
-            let number = ron::from_str(word).map_err(|_| format!("`{word}` is not a number"))?;
+            // The names of progress and time, s and t, are units too.
+            let with_unit = |(number, unit): (f64, &str)| {
+                let is_unit = units::is_unit(unit) && !["s", "t"].contains(&unit);
+                is_unit.then(|| units::help(number, unit, None))
+            };
+            let number = ron::from_str(word).map_err(|_| {
+                let help = units::split(word).and_then(with_unit);
+                help.unwrap_or_else(|| format!("`{word}` is not a number"))
+            })?;
+            self.peek();
+            let unit = &self.rest[..name_length(self.rest)];
+            if let Some(help) = with_unit((number, unit)) {
+                return Err(help);
+            }
             return Ok(Expression::Number(number));
         }
         if self.peek() != Some('(') {
@@ -284,6 +298,8 @@ mod tests {
             ("(1 + 2", "close the bracket"),
             ("1.2.3 + 1", "`1.2.3` is not a number"),
             ("sqr(2)", "did you mean `sqrt`?"),
+            ("2 mm * a", "numbers are in SI units: write 0.002"),
+            ("a * 2kPa", "numbers are in SI units: write 2000.0"),
         ] {
             let error = parse(text).unwrap_err();
             assert!(error.starts_with(said), "{text}: {error}");

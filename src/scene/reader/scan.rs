@@ -7,6 +7,7 @@
 
 use super::expression::{is_function, number_length};
 use super::tree::{Entry, Key, Node, Shape, Span};
+use super::units::is_unit;
 
 /// Maximum nesting. Deeper nesting is refused, as in `ron`, because recursion could overflow the
 /// stack.
@@ -216,6 +217,13 @@ impl<'t> Scanner<'t> {
         let after = line[blank + word.len()..].trim_start();
         let ends = after.is_empty() || after.starts_with([',', ')', ']', '}', '/']);
         if word.starts_with(first) && ends {
+            self.at += blank + word.len();
+            return;
+        }
+        // Before an operator only a unit counts, as in `2 mm * s`.
+        let word = &word[..word.find([' ', '*']).unwrap_or(word.len())];
+        let after = line[blank + word.len()..].trim_start();
+        if is_unit(word) && after.starts_with(['+', '-', '*', '/']) {
             self.at += blank + word.len();
         }
     }

@@ -1,6 +1,7 @@
 //! Tests of the scene text.
 
 mod bad_scenes;
+mod courses;
 mod files;
 mod mutations;
 mod overrides;

@@ -1,0 +1,286 @@
+//! Expressions in place of the points of a table: `Follow(Force(2 * load * s))`.
+//!
+//! The text gets their values at the ends of the increments of the stage before it is read, so that
+//! the rest of the program knows tables only. Messages keep the place of the expression.
+
+use super::diagnostic::{Finding, Placed};
+use super::expression::{Expression, parse};
+use super::spans::{join, unwrapped};
+use super::tree::{Entry, Key, Node, Shape, Span};
+use super::units;
+use super::values::{a_number, help, is_name};
+
+/// Maximum number of points that expressions stand for in a scene. A slip in `increments` must not
+/// fill the memory.
+pub(super) const MOST: f64 = 1e6;
+
+/// A table that is given by an expression, or by two in a displacement.
+pub(super) struct Course<'t> {
+    /// Path of the table.
+    pub path: String,
+    /// The expressions.
+    pub parts: Vec<&'t Node>,
+    /// Unit of the values.
+    pub unit: &'static str,
+    stage: Stage<'t>,
+}
+
+/// What a course needs of its stage.
+#[derive(Clone, Copy)]
+struct Stage<'t> {
+    increments: Option<&'t Node>,
+    /// Time step. It is there in a dynamic stage only.
+    dt: Option<&'t Node>,
+    /// How often the stage is repeated.
+    times: f64,
+}
+
+/// A table with points in place of its expressions.
+pub(super) struct Sampled {
+    /// Texts for the expressions.
+    pub texts: Vec<(Span, String)>,
+    /// Number of increments.
+    pub increments: f64,
+    /// Mistakes in the expressions. The points are made up if there are any.
+    pub findings: Vec<Finding>,
+}
+
+/// Finds the tables that are given by expressions.
+pub(super) fn find<'t>(root: &'t Node, text: &'t str) -> Vec<Course<'t>> {
+    let mut courses = Vec::new();
+    if let Some(stages) = field(root, "stages") {
+        see(stages, text, "stages", (field(root, "analysis"), 1.0), &mut courses);
+    }
+    courses
+}
+
+fn see<'t>(
+    list: &'t Node,
+    text: &'t str,
+    path: &str,
+    (analysis, times): (Option<&'t Node>, f64),
+    courses: &mut Vec<Course<'t>>,
+) {
+    for (k, entry) in list.entries.iter().enumerate() {
+        let path = format!("{path}[{k}]");
+        let stage = unwrapped(&entry.value);
+        if let Some(stages) = field(stage, "stages") {
+            let literal = field(stage, "times").and_then(|node| text.get(node.span.clone()));
+            let times = times * literal.and_then(|l| l.parse().ok()).unwrap_or(1.0);
+            see(stages, text, &join(&path, "stages"), (analysis, times), courses);
+            continue;
+        }
+        let own = field(stage, "analysis").filter(|node| !is(node, text, "None"));
+        let dt = own.or(analysis).and_then(|node| field(unwrapped(node), "dt"));
+        let of = Stage { increments: field(stage, "increments"), dt, times };
+        let mut add = |path: String, parts: Vec<&'t Node>, unit| {
+            if parts.iter().all(|part| stands(part, text)) {
+                courses.push(Course { path, parts, unit, stage: of });
+            }
+        };
+        for entry in entries(stage, "scale") {
+            let Some(key) = &entry.key else { continue };
+            if ["gravity", "strength", "loads"].contains(&key.text.as_str()) {
+                add(join(&join(&path, "scale"), &key.text), vec![&entry.value], "");
+            }
+        }
+        for entry in entries(stage, "walls") {
+            let Some(key) = entry.key.as_ref().filter(|_| named(&entry.value, text) == "Follow")
+            else {
+                continue;
+            };
+            let path = join(&join(&path, "walls"), &key.text);
+            let table = unwrapped(&entry.value);
+            match (named(table, text), &table.entries[..]) {
+                ("Displacement", [x, y]) => add(path, vec![&x.value, &y.value], "m"),
+                ("Force", [force]) => add(path, vec![&force.value], "N"),
+                ("Stress", _) => {
+                    let stress = field(table, "stress");
+                    stress
+                        .into_iter()
+                        .for_each(|node| add(join(&path, "stress"), vec![node], "Pa"));
+                }
+                ("Rotation", _) => {
+                    let angle = field(table, "angle");
+                    angle.into_iter().for_each(|node| add(join(&path, "angle"), vec![node], "rad"));
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+fn field<'t>(node: &'t Node, name: &str) -> Option<&'t Node> {
+    let has_name = |key: &Key| key.text == name;
+    let mut entries = node.entries.iter();
+    Some(&entries.find(|entry| entry.key.as_ref().is_some_and(has_name))?.value)
+}
+
+fn entries<'t>(node: &'t Node, name: &str) -> &'t [Entry] {
+    field(node, name).map_or(&[], |value| &value.entries)
+}
+
+fn is(node: &Node, text: &str, word: &str) -> bool {
+    text.get(node.span.clone()) == Some(word)
+}
+
+fn named<'t>(node: &Node, text: &'t str) -> &'t str {
+    node.name.clone().and_then(|name| text.get(name)).unwrap_or_default()
+}
+
+/// Whether a value can be an expression.
+fn stands(node: &Node, text: &str) -> bool {
+    match node.shape {
+        Shape::Number | Shape::Expression => true,
+        Shape::Word => is(node, text, "pi") || text.get(node.span.clone()).is_some_and(is_name),
+        _ => false,
+    }
+}
+
+impl Course<'_> {
+    /// Names that have a value in every increment.
+    pub fn names(&self) -> &'static [&'static str] {
+        if self.stage.dt.is_some() { &["s", "t"] } else { &["s"] }
+    }
+
+    /// The expressions with their paths; `None` for one that cannot be parsed.
+    pub fn expressions(&self, text: &str) -> Vec<(String, Option<Expression>)> {
+        let parse = |node: &Node| parse(text.get(node.span.clone())?).ok();
+        let path = |j| match self.parts.len() {
+            1 => self.path.clone(),
+            _ => format!("{}[{j}]", self.path),
+        };
+        self.parts.iter().enumerate().map(|(j, node)| (path(j), parse(node))).collect()
+    }
+
+    /// Puts points in place of the expressions. `of` has the values of `names`, and `left` is the
+    /// number of points that the scene may still have.
+    pub fn sample(
+        &self,
+        text: &str,
+        names: &[String],
+        of: &impl Fn(&str) -> Option<f64>,
+        left: &mut f64,
+    ) -> Sampled {
+        let number = |node: &Node| parse(text.get(node.span.clone())?).ok()?.value(of);
+        // Wrong numbers of increments and time steps have messages of their own.
+        let increments = self.stage.increments.and_then(number);
+        let increments = increments.filter(|n| n.fract() == 0.0 && *n >= 1.0).unwrap_or(1.0);
+        let dt = self.stage.dt.map(|node| number(node).filter(|dt| *dt > 0.0).unwrap_or(1.0));
+        *left -= (increments + 1.0) * self.stage.times;
+        let mut points: Vec<String> = Vec::new();
+        let mut findings = Vec::new();
+        if *left < 0.0 {
+            let message = format!("expressions stand for more than {MOST} points");
+            let help = "give fewer increments or repetitions, or a table of points";
+            findings.push(Finding::new(&self.path, message, help));
+        }
+        let expressions = self.expressions(text);
+        for (node, (path, expression)) in self.parts.iter().zip(&expressions) {
+            let finding = self.mistake(node, text, expression.as_ref(), (names, dt.is_some()));
+            findings.extend(finding.map(|(message, help)| Finding::new(path, message, help)));
+        }
+        let mut k = 0.0;
+        while k <= increments && findings.is_empty() {
+            let (s, t) = (k / increments, dt.map(|dt| k * dt));
+            let of = |name: &str| match name {
+                "s" => Some(s),
+                "t" if t.is_some() => t,
+                _ => of(name),
+            };
+            let mut point = format!("({:?}", t.unwrap_or(s));
+            for (node, (path, expression)) in self.parts.iter().zip(&expressions) {
+                let value = expression.as_ref().and_then(|expression| expression.value(&of));
+                let value = value.unwrap_or(f64::NAN);
+                if !value.is_finite() {
+                    let literal = text.get(node.span.clone()).unwrap_or_default();
+                    let message = format!("`{literal}` has no finite value at s = {s} ({value})");
+                    let help = "it needs one from s = 0, the start of the stage, to s = 1, its end";
+                    findings.push(Finding::new(path, message, help));
+                }
+                point += &format!(", {value:?}");
+            }
+            points.push(point + ")");
+            k += 1.0;
+        }
+        if !findings.is_empty() {
+            let zeros = ", 0.0".repeat(self.parts.len());
+            points = vec![format!("(0.0{zeros})"), format!("(1.0{zeros})")];
+        }
+        // A comma stands between the two expressions of a displacement: the first has one point.
+        let (first, rest) = points.split_at(1);
+        let texts = match &self.parts[..] {
+            [x, y] => vec![
+                (x.span.clone(), format!("[{}", first[0])),
+                (y.span.clone(), format!("{}]", rest.join(", "))),
+            ],
+            parts => vec![(parts[0].span.clone(), format!("[{}]", points.join(", ")))],
+        };
+        Sampled { texts, increments, findings }
+    }
+
+    /// What is wrong with an expression, apart from its unit and its values, and the remedy.
+    fn mistake(
+        &self,
+        node: &Node,
+        text: &str,
+        expression: Option<&Expression>,
+        (names, is_dynamic): (&[String], bool),
+    ) -> Option<(String, String)> {
+        let literal = text.get(node.span.clone()).unwrap_or_default();
+        let message = format!("expected {}, found `{literal}`", a_number(self.unit));
+        let Some(expression) = expression else {
+            let with_unit = units::split(literal).filter(|_| node.shape == Shape::Number);
+            let help = match with_unit {
+                Some((value, of)) => units::help(value, of, Some(self.unit)),
+                None => help(node, text, names, Some(self.unit)),
+            };
+            return Some((message, help));
+        };
+        let mut unknown = None;
+        expression.names(&mut |word| {
+            let is_known = names.iter().any(|name| name == word) || self.names().contains(&word);
+            unknown = unknown.or(Some(word).filter(|_| !is_known));
+        });
+        let s = "`s` is the part of the increments that is done, 0 to 1";
+        match unknown? {
+            "t" if !is_dynamic => {
+                Some((format!("`{literal}`: a static stage has no time `t`"), s.to_owned()))
+            }
+            word => {
+                let help = if names.is_empty() {
+                    format!("give `{word}` a number in `let`")
+                } else {
+                    help(node, text, names, Some(self.unit))
+                };
+                Some((message, format!("{help}; {s}")))
+            }
+        }
+    }
+}
+
+/// Findings about points, at the expressions that they come from: one for each table.
+pub(super) fn gather(placed: Vec<Placed>, tables: &[(String, f64)]) -> Vec<Placed> {
+    let mut seen = vec![false; tables.len()];
+    let mut gathered = Vec::new();
+    for mut placed in placed {
+        let point = tables.iter().enumerate().find_map(|(i, (path, increments))| {
+            let (k, _) = placed
+                .finding
+                .path
+                .strip_prefix(path.as_str())?
+                .strip_prefix('[')?
+                .split_once(']')?;
+            Some((i, k.parse::<f64>().ok()? / increments))
+        });
+        if let Some((i, s)) = point {
+            if std::mem::replace(&mut seen[i], true) {
+                continue;
+            }
+            placed.finding.path = tables[i].0.clone();
+            placed.finding.message += &format!(", at s = {s}");
+        }
+        gathered.push(placed);
+    }
+    gathered
+}
