@@ -6,7 +6,7 @@
 use super::diagnostic::{Finding, Placed};
 use super::expression::{Expression, parse};
 use super::spans::{join, unwrapped};
-use super::tree::{Entry, Key, Node, Shape, Span};
+use super::tree::{Node, Shape, Span};
 use super::units;
 use super::values::{a_number, help, is_name};
 
@@ -26,13 +26,13 @@ pub(super) struct Course<'t> {
 }
 
 /// What a course needs of its stage.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Stage<'t> {
     increments: Option<&'t Node>,
     /// Time step. It is there in a dynamic stage only.
     dt: Option<&'t Node>,
-    /// How often the stage is repeated.
-    times: f64,
+    /// Numbers of repetitions of the stages around it.
+    times: Vec<&'t Node>,
 }
 
 /// A table with points in place of its expressions.
@@ -48,8 +48,8 @@ pub(super) struct Sampled {
 /// Finds the tables that are given by expressions.
 pub(super) fn find<'t>(root: &'t Node, text: &'t str) -> Vec<Course<'t>> {
     let mut courses = Vec::new();
-    if let Some(stages) = field(root, "stages") {
-        see(stages, text, "stages", (field(root, "analysis"), 1.0), &mut courses);
+    if let Some(stages) = root.field("stages") {
+        see(stages, text, "stages", (root.field("analysis"), &[]), &mut courses);
     }
     courses
 }
@@ -58,51 +58,46 @@ fn see<'t>(
     list: &'t Node,
     text: &'t str,
     path: &str,
-    (analysis, times): (Option<&'t Node>, f64),
+    (analysis, times): (Option<&'t Node>, &[&'t Node]),
     courses: &mut Vec<Course<'t>>,
 ) {
     for (k, entry) in list.entries.iter().enumerate() {
         let path = format!("{path}[{k}]");
         let stage = unwrapped(&entry.value);
-        if let Some(stages) = field(stage, "stages") {
-            let literal = field(stage, "times").and_then(|node| text.get(node.span.clone()));
-            let times = times * literal.and_then(|l| l.parse().ok()).unwrap_or(1.0);
-            see(stages, text, &join(&path, "stages"), (analysis, times), courses);
+        if let Some(stages) = stage.field("stages") {
+            let times: Vec<_> = times.iter().copied().chain(stage.field("times")).collect();
+            see(stages, text, &join(&path, "stages"), (analysis, &times), courses);
             continue;
         }
-        let own = field(stage, "analysis").filter(|node| !is(node, text, "None"));
-        let dt = own.or(analysis).and_then(|node| field(unwrapped(node), "dt"));
-        let of = Stage { increments: field(stage, "increments"), dt, times };
+        let own = stage.field("analysis").filter(|node| node.literal(text) != "None");
+        let dt = own.or(analysis).and_then(|node| unwrapped(node).field("dt"));
+        let of = Stage { increments: stage.field("increments"), dt, times: times.to_vec() };
+        let entries = |name| stage.field(name).map_or(&[][..], |value| &value.entries);
         let mut add = |path: String, parts: Vec<&'t Node>, unit| {
             if parts.iter().all(|part| stands(part, text)) {
-                courses.push(Course { path, parts, unit, stage: of });
+                courses.push(Course { path, parts, unit, stage: of.clone() });
             }
         };
-        for entry in entries(stage, "scale") {
+        for entry in entries("scale") {
             let Some(key) = &entry.key else { continue };
             if ["gravity", "strength", "loads"].contains(&key.text.as_str()) {
                 add(join(&join(&path, "scale"), &key.text), vec![&entry.value], "");
             }
         }
-        for entry in entries(stage, "walls") {
-            let Some(key) = entry.key.as_ref().filter(|_| named(&entry.value, text) == "Follow")
-            else {
-                continue;
-            };
+        for entry in entries("walls") {
+            let is_followed = entry.value.variant(text) == Some("Follow");
+            let Some(key) = entry.key.as_ref().filter(|_| is_followed) else { continue };
             let path = join(&join(&path, "walls"), &key.text);
             let table = unwrapped(&entry.value);
-            match (named(table, text), &table.entries[..]) {
+            match (table.variant(text).unwrap_or_default(), &table.entries[..]) {
                 ("Displacement", [x, y]) => add(path, vec![&x.value, &y.value], "m"),
                 ("Force", [force]) => add(path, vec![&force.value], "N"),
-                ("Stress", _) => {
-                    let stress = field(table, "stress");
-                    stress
-                        .into_iter()
-                        .for_each(|node| add(join(&path, "stress"), vec![node], "Pa"));
-                }
-                ("Rotation", _) => {
-                    let angle = field(table, "angle");
-                    angle.into_iter().for_each(|node| add(join(&path, "angle"), vec![node], "rad"));
+                (name @ ("Stress" | "Rotation"), _) => {
+                    let (key, unit) =
+                        if name == "Stress" { ("stress", "Pa") } else { ("angle", "rad") };
+                    if let Some(node) = table.field(key) {
+                        add(join(&path, key), vec![node], unit);
+                    }
                 }
                 _ => {}
             }
@@ -110,29 +105,11 @@ fn see<'t>(
     }
 }
 
-fn field<'t>(node: &'t Node, name: &str) -> Option<&'t Node> {
-    let has_name = |key: &Key| key.text == name;
-    let mut entries = node.entries.iter();
-    Some(&entries.find(|entry| entry.key.as_ref().is_some_and(has_name))?.value)
-}
-
-fn entries<'t>(node: &'t Node, name: &str) -> &'t [Entry] {
-    field(node, name).map_or(&[], |value| &value.entries)
-}
-
-fn is(node: &Node, text: &str, word: &str) -> bool {
-    text.get(node.span.clone()) == Some(word)
-}
-
-fn named<'t>(node: &Node, text: &'t str) -> &'t str {
-    node.name.clone().and_then(|name| text.get(name)).unwrap_or_default()
-}
-
 /// Whether a value can be an expression.
 fn stands(node: &Node, text: &str) -> bool {
     match node.shape {
         Shape::Number | Shape::Expression => true,
-        Shape::Word => is(node, text, "pi") || text.get(node.span.clone()).is_some_and(is_name),
+        Shape::Word => node.literal(text) == "pi" || is_name(node.literal(text)),
         _ => false,
     }
 }
@@ -145,7 +122,7 @@ impl Course<'_> {
 
     /// The expressions with their paths; `None` for one that cannot be parsed.
     pub fn expressions(&self, text: &str) -> Vec<(String, Option<Expression>)> {
-        let parse = |node: &Node| parse(text.get(node.span.clone())?).ok();
+        let parse = |node: &Node| parse(node.literal(text)).ok();
         let path = |j| match self.parts.len() {
             1 => self.path.clone(),
             _ => format!("{}[{j}]", self.path),
@@ -162,12 +139,13 @@ impl Course<'_> {
         of: &impl Fn(&str) -> Option<f64>,
         left: &mut f64,
     ) -> Sampled {
-        let number = |node: &Node| parse(text.get(node.span.clone())?).ok()?.value(of);
+        let number = |node: &Node| parse(node.literal(text)).ok()?.value(of);
         // Wrong numbers of increments and time steps have messages of their own.
         let increments = self.stage.increments.and_then(number);
         let increments = increments.filter(|n| n.fract() == 0.0 && *n >= 1.0).unwrap_or(1.0);
         let dt = self.stage.dt.map(|node| number(node).filter(|dt| *dt > 0.0).unwrap_or(1.0));
-        *left -= (increments + 1.0) * self.stage.times;
+        let times = self.stage.times.iter().map(|node| number(node).unwrap_or(1.0));
+        *left -= (increments + 1.0) * times.product::<f64>();
         let mut points: Vec<String> = Vec::new();
         let mut findings = Vec::new();
         if *left < 0.0 {
@@ -193,7 +171,7 @@ impl Course<'_> {
                 let value = expression.as_ref().and_then(|expression| expression.value(&of));
                 let value = value.unwrap_or(f64::NAN);
                 if !value.is_finite() {
-                    let literal = text.get(node.span.clone()).unwrap_or_default();
+                    let literal = node.literal(text);
                     let message = format!("`{literal}` has no finite value at s = {s} ({value})");
                     let help = "it needs one from s = 0, the start of the stage, to s = 1, its end";
                     findings.push(Finding::new(path, message, help));
@@ -227,7 +205,7 @@ impl Course<'_> {
         expression: Option<&Expression>,
         (names, is_dynamic): (&[String], bool),
     ) -> Option<(String, String)> {
-        let literal = text.get(node.span.clone()).unwrap_or_default();
+        let literal = node.literal(text);
         let message = format!("expected {}, found `{literal}`", a_number(self.unit));
         let Some(expression) = expression else {
             let with_unit = units::split(literal).filter(|_| node.shape == Shape::Number);

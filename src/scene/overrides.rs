@@ -163,7 +163,7 @@ fn name_of(step: &Step) -> Option<&str> {
 fn nearest_paths(parent: &Node, text: &str, path: &[Step], next: &Step) -> String {
     let path = write_path(path);
     if !is_group(parent) || parent.entries.is_empty() {
-        let value = text.get(parent.span.clone()).unwrap_or_default();
+        let value = parent.literal(text);
         return format!("`{path}` is `{value}`, which has no fields");
     }
     let name = |(i, entry): (usize, &Entry)| match (&entry.key, item_name(&entry.value, text)) {

@@ -5,7 +5,7 @@ use super::diagnostic::Finding;
 use super::format::MAX_STAGES;
 use super::scan::scan;
 use super::spans::unwrapped;
-use super::tree::{Entry, Node, Shape};
+use super::tree::{Node, Shape};
 
 /// Places of the stages in a text.
 #[derive(Default)]
@@ -24,8 +24,7 @@ impl Written {
             return written;
         }
         let Some(root) = scan(text).0 else { return written };
-        let is_stages = |key: &str| key == "stages";
-        let stages = field(&root, is_stages);
+        let stages = root.field("stages");
         let Some(list) = stages.filter(|list| list.shape == Shape::List) else { return written };
         written.see(list, text, "stages");
         if written.paths.len() > MAX_STAGES {
@@ -42,19 +41,18 @@ impl Written {
                 return;
             }
             let path = format!("{path}[{k}]");
-            let name = entry.value.name.clone().and_then(|name| text.get(name));
-            if name != Some("Repeat") {
+            if entry.value.variant(text) != Some("Repeat") {
                 self.paths.push(path);
                 continue;
             }
             let repeat = unwrapped(&entry.value);
-            let times = field(repeat, |key| key == "times");
-            let times = times.and_then(|node| text.get(node.span.clone())?.parse::<u32>().ok());
+            let times = repeat.field("times");
+            let times = times.and_then(|node| node.literal(text).parse::<u32>().ok());
             if times == Some(0) {
                 let help = "give a number of 1 or more";
                 self.findings.push(Finding::new(format!("{path}.times"), "zero (0)", help));
             }
-            let Some(stages) = field(repeat, |key| key == "stages") else { continue };
+            let Some(stages) = repeat.field("stages") else { continue };
             if stages.entries.is_empty() && stages.shape == Shape::List {
                 let finding = Finding::new(
                     format!("{path}.stages"),
@@ -122,9 +120,4 @@ impl Written {
         }
         new + rest
     }
-}
-
-fn field(node: &Node, is: impl Fn(&str) -> bool) -> Option<&Node> {
-    let with_key = |entry: &&Entry| entry.key.as_ref().is_some_and(|k| is(&k.text));
-    node.entries.iter().find(with_key).map(|entry| &entry.value)
 }

@@ -49,8 +49,7 @@ impl Use {
 
 /// The entries of `let`.
 fn defined(root: &Node) -> &[Entry] {
-    let is_let = |entry: &&Entry| entry.key.as_ref().is_some_and(|key| key.text == "let");
-    root.entries.iter().find(is_let).map_or(&[], |entry| &entry.value.entries)
+    root.field("let").map_or(&[], |defined| &defined.entries)
 }
 
 /// Names that `let` defines, with their places.
@@ -151,7 +150,7 @@ fn numbers(text: &str, root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, Stri
         let before = numbers.len();
         for Entry { key, value } in defined(root) {
             let Some(name) = key.as_ref().map(|key| key.text.clone()) else { continue };
-            let literal = text.get(value.span.clone()).unwrap_or_default();
+            let literal = value.literal(text);
             let of = |name: &str| numbers.get(name).map(|(value, _): &(f64, String)| *value);
             let number = match uses.iter().find(|at| at.span == value.span) {
                 Some(at) => at.expression.value(&of).map(|value| (value, value.to_string())),
@@ -262,7 +261,7 @@ pub(super) fn is_name(name: &str) -> bool {
 
 /// The expression that stands for a number.
 fn expression(node: &Node, text: &str) -> Option<Expression> {
-    let literal = text.get(node.span.clone())?;
+    let literal = node.literal(text);
     match node.shape {
         Shape::Word if is_name(literal) || literal == "pi" => parse(literal).ok(),
         Shape::Expression => parse(literal).ok(),
@@ -277,7 +276,7 @@ fn walk(node: &Node, text: &str, path: String, unit: Option<&'static str>, uses:
         uses.push(Use { span: node.span.clone(), path, expression, unit, own: &[] });
         return;
     }
-    let variant = node.name.clone().and_then(|name| text.get(name));
+    let variant = node.variant(text);
     let inside = variant.map_or(unit, |variant| unit_of(variant, unit));
     for (k, entry) in node.entries.iter().enumerate() {
         match &entry.key {
@@ -296,7 +295,7 @@ fn walk(node: &Node, text: &str, path: String, unit: Option<&'static str>, uses:
 
 /// Help for a word or an expression that stands for no number. `unit` is that of the number.
 pub(super) fn help(node: &Node, text: &str, names: &[String], unit: Option<&str>) -> String {
-    let literal = text.get(node.span.clone()).unwrap_or_default();
+    let literal = node.literal(text);
     let expression = match parse(literal) {
         Ok(expression) if node.shape == Shape::Expression || is_name(literal) => expression,
         Err(help) if node.shape == Shape::Expression => return help,

@@ -61,14 +61,14 @@ impl<'a> Context<'a> {
 
     /// The text of a value.
     pub fn literal(&self, node: &Node) -> &str {
-        self.text.get(node.span.clone()).unwrap_or_default()
+        node.literal(self.text)
     }
 
     /// Description of a value for messages.
     pub fn found(&self, node: &Node) -> String {
         const LONGEST: usize = 40;
         let literal = self.literal(node);
-        let name = node.name.clone().and_then(|name| self.text.get(name));
+        let name = node.variant(self.text);
         match node.shape {
             Shape::Nothing => "nothing".to_owned(),
             _ if literal.chars().count() <= LONGEST && !literal.contains('\n') => {

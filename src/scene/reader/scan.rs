@@ -132,8 +132,8 @@ impl<'t> Scanner<'t> {
     fn value(&mut self) -> Result<Node, Fault> {
         let first = self.operand()?;
         let start = first.span.start;
-        let literal = self.text.get(first.span.clone()).unwrap_or_default();
-        let name = first.name.clone().and_then(|name| self.text.get(name));
+        let literal = first.literal(self.text);
+        let name = first.variant(self.text);
         let mut is_sign = literal == "-" || literal == "+";
         let mut is_expression = is_sign || name.is_some_and(is_function);
         let in_brackets = first.shape == Shape::Tuple && first.entries.len() == 1 && name.is_none();
@@ -265,7 +265,7 @@ impl<'t> Scanner<'t> {
     }
 
     fn is_multiline_text(&self, node: &Node) -> bool {
-        let literal = self.text.get(node.span.clone()).unwrap_or_default();
+        let literal = node.literal(self.text);
         node.shape == Shape::Text && literal.starts_with('"') && literal.contains('\n')
     }
 
@@ -382,7 +382,7 @@ impl<'t> Scanner<'t> {
         }
         self.at += 1;
         let quoted = first.shape == Shape::Text;
-        let literal = self.text.get(first.span.clone()).unwrap_or_default();
+        let literal = first.literal(self.text);
         let text = if quoted { unquote(literal) } else { None };
         let text = text.unwrap_or_else(|| literal.trim_start_matches("r#").to_owned());
         let key = Key { span: first.span, text, quoted };

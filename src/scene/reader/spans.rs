@@ -161,9 +161,7 @@ pub(in crate::scene) fn is_group(node: &Node) -> bool {
 
 /// The `name` of a list item.
 pub(in crate::scene) fn item_name(node: &Node, text: &str) -> Option<String> {
-    let key_is_name = |entry: &&Entry| entry.key.as_ref().is_some_and(|key| key.text == "name");
-    let name = &unwrapped(node).entries.iter().find(key_is_name)?.value;
-    unquote(text.get(name.span.clone())?)
+    unquote(unwrapped(node).field("name")?.literal(text))
 }
 
 fn child<'n>(node: &'n Node, text: &str, step: &Step) -> Option<&'n Entry> {
@@ -175,9 +173,6 @@ fn child<'n>(node: &'n Node, text: &str, step: &Step) -> Option<&'n Entry> {
         Step::Name(name) if node.shape == Shape::List => {
             node.entries.iter().find(|entry| item_name(&entry.value, text).as_ref() == Some(name))
         }
-        Step::Name(name) => node
-            .entries
-            .iter()
-            .find(|entry| entry.key.as_ref().is_some_and(|key| key.text == *name)),
+        Step::Name(name) => node.entry(name),
     }
 }

@@ -43,6 +43,28 @@ pub struct Node {
     pub entries: Vec<Entry>,
 }
 
+impl Node {
+    /// The text of the value.
+    pub fn literal<'t>(&self, text: &'t str) -> &'t str {
+        text.get(self.span.clone()).unwrap_or_default()
+    }
+
+    /// The name before the brackets.
+    pub fn variant<'t>(&self, text: &'t str) -> Option<&'t str> {
+        text.get(self.name.clone()?)
+    }
+
+    /// The entry with a key.
+    pub fn entry(&self, key: &str) -> Option<&Entry> {
+        self.entries.iter().find(|entry| entry.key.as_ref().is_some_and(|k| k.text == key))
+    }
+
+    /// The value of a key.
+    pub fn field(&self, key: &str) -> Option<&Self> {
+        self.entry(key).map(|entry| &entry.value)
+    }
+}
+
 /// A value inside brackets.
 #[derive(Clone, Debug)]
 pub struct Entry {

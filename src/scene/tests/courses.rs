@@ -67,3 +67,18 @@ fn a_setting_can_give_an_expression() {
                    s = 1, its end";
     assert_eq!(error.to_string(), message);
 }
+
+/// A number of repetitions by a name of `let` was taken for 1.
+#[test]
+fn points_of_repeated_stages_count_as_often_as_they_are_repeated() {
+    let stage = |force: u32| {
+        format!(
+            "stages[0]=Repeat(times: n, stages: [Load(name: \"load\", increments: 999, walls: \
+             {{\"top\": Follow(Force({force} * s))}})])"
+        )
+    };
+    let read = |n: u32| read(SMALL, &[&stage(n), &format!("let={{\"n\": {n}}}")]);
+    assert!(read(10).is_ok());
+    let error = read(1001).unwrap_err().to_string();
+    assert!(error.contains("expressions stand for more than 1000000 points"), "{error}");
+}

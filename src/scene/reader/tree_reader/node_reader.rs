@@ -99,6 +99,6 @@ impl<'a> Reader<'a> {
     }
 
     pub(super) fn named(&self) -> Option<&'a str> {
-        self.cx.text.get(self.node.name.clone()?)
+        self.node.variant(self.cx.text)
     }
 }
