@@ -77,7 +77,7 @@ fn points_of_repeated_stages_count_as_often_as_they_are_repeated() {
              {{\"top\": Follow(Force({force} * s))}})])"
         )
     };
-    let read = |n: u32| read(SMALL, &[&stage(n), &format!("let={{\"n\": {n}}}")]);
+    let read = |n: u32| read(SMALL, &[&format!("let={{\"n\": {n}}}"), &stage(n)]);
     assert!(read(10).is_ok());
     let error = read(1001).unwrap_err().to_string();
     assert!(error.contains("expressions stand for more than 1000000 points"), "{error}");
