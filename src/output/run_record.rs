@@ -162,7 +162,7 @@ struct FrictionOfStages {
 
 impl FrictionOfStages {
     fn new(scene: &Scene) -> Self {
-        let law = scene.friction_law.of_grains(scene.grains_are_elastic());
+        let law = scene.friction_law.by_analysis();
         let name = |coulomb: bool| if coulomb { "Coulomb" } else { "associated" };
         Self {
             in_statics: name(law.in_statics.is_some()),

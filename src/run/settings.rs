@@ -26,7 +26,7 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
         membranes: Vec::new(),
     });
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
-    world.insert_resource(scene.friction_law.of_grains(scene.grains_are_elastic()));
+    world.insert_resource(scene.friction_law.by_analysis());
     world.insert_resource(scene.rupture);
     world.insert_resource(scene.acceptance);
     world.insert_resource(Solver(match scene.solver {

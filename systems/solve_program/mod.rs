@@ -12,7 +12,8 @@ use clastic_components::contact_history::KeptRows;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, FrictionLaw};
 use clastic_cone::condensed;
-use clastic_cone::program::{ConeProgram, ConeSolution, Residuals, SolveStatus};
+use clastic_cone::coulomb::Coulomb;
+use clastic_cone::program::{ConeProgram, ConeSolution, Residuals, SlidingLaw, SolveStatus};
 use clastic_cone::residuals;
 use clastic_cone::solver::{ConeSolver, check};
 
@@ -132,23 +133,26 @@ pub fn solve_program(
     mut attempt: ResMut<Attempt>,
     mut solution: ResMut<ConeSolution>,
 ) {
-    // Only the start of the search for Coulomb's law need not be exact, unless the law of bonds
-    // keeps it as the solution.
     let tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
-    let is_start = sliding::law_of(&law, &analysis, &attempt, &finding).is_some()
-        && sliding::first_point_suffices(&solver, &analysis, &program, tolerance)
-        && !program.has_bonds();
-    let asked = if is_start { tolerance.max(sliding::START) } else { tolerance };
-    *solution = match check(&program).and_then(|()| solver.0.solve(&program, asked)) {
+    let is_sliding = sliding::law_of(&law, &analysis, &attempt, &finding).is_some();
+    let mut solve = |program: &ConeProgram| match is_sliding
+        .then(|| Coulomb::sweep(program, solver.0.memory()))
+    {
+        // `solve_sliding` needs no associated solution then.
+        Some(Some(start)) => Ok(start),
+        _ => solver.0.solve(program, tolerance),
+    };
+    *solution = match check(&program).and_then(|()| solve(&program)) {
         Ok(solution) => solution,
         Err(malformed) => ConeSolution { message: malformed.to_string(), ..Default::default() },
     };
     solution.tolerance = tolerance;
-    if matches!(solution.status, SolveStatus::Solved | SolveStatus::Stalled)
+    if solution.law == SlidingLaw::Associated
+        && matches!(solution.status, SolveStatus::Solved | SolveStatus::Stalled)
         && solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len()
     {
-        let enough = acceptance.residual.max(asked);
+        let enough = acceptance.residual.max(tolerance);
         solution.residuals = if let AnalysisKind::Dynamic { .. } = analysis.kind {
             residuals::choose_displacements(&program, &mut solution, enough)
         } else {

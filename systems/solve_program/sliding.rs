@@ -7,7 +7,7 @@ use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, FrictionLaw};
 use clastic_cone::coulomb::{Coulomb, Goal};
-use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
+use clastic_cone::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 use clastic_cone::residuals;
 
 use super::Solver;
@@ -21,12 +21,6 @@ const QUICK: u32 = 40;
 
 /// Safety factor: the solver aims at 0.9 times the tolerance.
 const MARGIN: f64 = 0.9;
-
-/// Maximum residual of an associated solution that is only the start of the search.
-///
-/// The search begins at products of 1e-3 (`CoulombSettings::product`), so that nothing is gained
-/// from a more exact start.
-pub const START: f64 = 1e-3;
 
 /// The solver of the world, with its memory between increments.
 #[derive(Resource, Default)]
@@ -49,7 +43,7 @@ pub fn law_of(
 
 /// Whether the first point within the tolerance suffices: in time steps where it does for the
 /// associated law. Solutions of a static increment are exact, those of its motions included.
-pub fn first_point_suffices(
+fn first_point_suffices(
     solver: &Solver,
     analysis: &ClasticAnalysis,
     program: &ConeProgram,
@@ -68,7 +62,7 @@ pub fn solve_sliding(
     analysis: Res<ClasticAnalysis>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
-    associated: Res<Solver>,
+    mut associated: ResMut<Solver>,
     mut solver: ResMut<SlidingSolver>,
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,
@@ -78,7 +72,8 @@ pub fn solve_sliding(
     let Sliding { failures, rejected, .. } = *finding;
     *finding = Sliding { failures, rejected, ..Sliding::default() };
     let Some(law) = law_of(&law, &analysis, &attempt, &finding) else { return };
-    if solution.status != SolveStatus::Solved {
+    let is_swept = solution.law == SlidingLaw::Coulomb;
+    if !is_swept && solution.status != SolveStatus::Solved {
         return;
     }
     let moves = attempt.motion().is_some();
@@ -98,9 +93,13 @@ pub fn solve_sliding(
     let at_once = first_point_suffices(&associated, &analysis, &program, solution.tolerance);
     let goal = if at_once { Goal::enough(aim) } else { Goal::exact(aim) };
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
-    // belong to its state at rest, from which the associated solution may be far away.
-    let last = last_solution(&program);
-    let (of_first, of_second) = if rejected { (max, max) } else { (max - max / 10, max / 10) };
+    // belong to its state at rest, from which the associated solution may be far away. Sweeps begin
+    // with them.
+    let last = if is_swept { None } else { last_solution(&program) };
+    let (of_first, of_second) = match last {
+        Some(_) if !rejected => (max - max / 10, max / 10),
+        _ => (max, max),
+    };
     let mut found = solver.0.solve(&program, &solution, goal, of_first);
     attempt.iterations += found.iterations;
     if found.status != SolveStatus::Solved
@@ -114,12 +113,16 @@ pub fn solve_sliding(
         }
     }
     finding.failures += u32::from(!moves && found.status != SolveStatus::Solved);
+    solution.status = SolveStatus::Solved;
     solution.law = found.law;
     solution.forces = found.forces;
     solution.displacements = found.displacements;
     solution.residuals = super::residuals_of(&attempt, &program, &solution);
+    if is_swept {
+        associated.0.remember(&solution.displacements);
+    }
     let worst = solution.residuals.worst();
-    // The status is not changed. The finding contains the result of this solve.
+    // The status is that of the associated law or of a start. The finding has the result.
     finding.natural_map = residuals::natural_map(&program, &solution);
     finding.lost = !(worst <= enough.max(Sliding::BOUND));
     finding.rejected |= finding.lost && !moves;

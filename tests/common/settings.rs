@@ -77,7 +77,7 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         interior.refined, interior.product_weight, interior.min_force,
         interior.near, interior.slow, interior.patience, interior.progress,
         interior.max_decisions, interior.decided,
-        warm.sweeps, warm.full_sweep_every, warm.max_gap, warm.product, warm.max_returns,
+        warm.max_gap, warm.product, warm.max_returns,
         sleep.max_residual,
     ];
     fields.push(("interior.min_compliance", |s, factor| {
@@ -93,7 +93,7 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
 /// All fields of the solver of Coulomb's law.
 pub fn of_coulomb() -> Vec<Field<CoulombSettings>> {
     let mut fields = fields![CoulombSettings:
-        product, max_iterations, arc_products, max_arc, end_product, max_sharpening,
+        product, swept_share, max_iterations, arc_products, max_arc, end_product, max_sharpening,
         max_start_map, sharp, progress, min_force, max_refinements, refined,
         interior.regularisation, interior.short_step, interior.max_short_steps,
         interior.patience, interior.progress, interior.centring_step,

@@ -195,7 +195,6 @@ impl Oracle {
         let is_compaction = matches!(analysis.kind, AnalysisKind::Compaction { .. });
         let coulomb = match scene.friction_law {
             FrictionLaw::Associated => false,
-            FrictionLaw::ByGrains => dynamic && scene.grains_are_elastic(),
             FrictionLaw::ByAnalysis => dynamic,
             FrictionLaw::Coulomb { .. } => true,
         };

@@ -28,11 +28,8 @@ pub enum Analysis {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum FrictionLaw {
-    /// Coulomb's law in dynamic stages of elastic grains, the associated law in static stages and
-    /// of rigid grains. Grains are elastic if the contacts of all materials have a normal stiffness.
-    #[default]
-    ByGrains,
     /// Coulomb's law in dynamic stages, the associated law in static stages.
+    #[default]
     ByAnalysis,
     /// The paper's associated law: sliding opens a contact by mu |slip|.
     Associated,
@@ -48,12 +45,11 @@ impl FrictionLaw {
     /// Coulomb's law with the defaults.
     pub const COULOMB: Self = Self::Coulomb { factorisations: Coulomb::FACTORISATIONS };
 
-    /// The law by kind of analysis, of grains that are elastic or not.
+    /// The law by kind of analysis.
     #[must_use]
-    pub fn of_grains(self, are_elastic: bool) -> increment::FrictionLaw {
+    pub fn by_analysis(self) -> increment::FrictionLaw {
         let (in_statics, in_dynamics) = match self {
             Self::Associated => (None, None),
-            Self::ByGrains => (None, are_elastic.then(Coulomb::default)),
             Self::ByAnalysis => (None, Some(Coulomb::default())),
             Self::Coulomb { factorisations } => {
                 let coulomb = Some(Coulomb { factorisations });

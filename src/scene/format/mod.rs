@@ -206,13 +206,6 @@ impl Scene {
         }
     }
 
-    /// Whether the contacts of all materials have a normal stiffness.
-    #[must_use]
-    pub fn grains_are_elastic(&self) -> bool {
-        let mut contacts = self.materials.values().map(|material| material.contact);
-        contacts.all(|contact| contact.normal_stiffness.is_some())
-    }
-
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then
     /// those of theta = 1.
     #[must_use]

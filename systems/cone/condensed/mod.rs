@@ -30,8 +30,8 @@ pub mod scaled;
 pub mod settings;
 pub mod sleeping;
 mod spring;
-mod sweeps;
-mod warm;
+pub mod sweeps;
+pub mod warm;
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 

@@ -3,7 +3,7 @@
 //! near. Elastic steps of a motion that is followed start from the last forces as well, without
 //! sweeps and with all contacts.
 
-use crate::program::{ConeProgram, ConeSolution, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
 use super::interior::{self, Interior};
 use super::parallel::in_pool;
@@ -36,7 +36,7 @@ impl Condensed {
             let solution = checked(program, s, u, demand.tolerance, iterations, message);
             (solution.status == SolveStatus::Solved).then_some(solution)
         };
-        let (mut s, mut u) = sweeps::sweep(&scaled, &last_forces(program), &self.settings.warm);
+        let (mut s, mut u) = sweeps::sweep(&scaled, SlidingLaw::Associated, &last_forces(program));
         if let Some(solution) = evaluate(&s, *iterations, "sweeps") {
             return Some(solution);
         }
@@ -131,7 +131,7 @@ pub(super) fn is_elastic_step(program: &ConeProgram, demand: Demand, scaled: &Sc
 
 /// Forces that the interactions carried at the end of the last increment, in units of the scales; 0
 /// where there was none.
-pub(super) fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
+pub fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
     let (_, df) = program.scales.units();
     let in_units = |f: &[f64; 3]| [f[0] / df[0], f[1] / df[0], f[2] / df[2]];
     let mut out: Vec<_> = program.last_forces.iter().map(in_units).collect();

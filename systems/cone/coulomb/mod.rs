@@ -1,9 +1,10 @@
 //! Coulomb's law as a complementarity problem.
 //!
 //! The associated law opens a sliding contact by `mu |slip|`. Coulomb's law does not, and its
-//! solution is not the minimum of an energy. Both laws have the same admissible forces: a proof of
-//! collapse holds for both, and the search for a solution of Coulomb's law begins at the associated
-//! one:
+//! solution is not the minimum of an energy. A time step in which grains slide begins with sweeps of
+//! Coulomb's law from the last forces ([`Coulomb::sweep`]). Elsewhere the search begins at the
+//! associated solution: both laws have the same admissible forces, so that a proof of collapse holds
+//! for both. From either start follow
 //!
 //! 1. an interior-point iteration (`interior`);
 //! 2. where it stalls, the path of the perturbed problem (`arc`), followed past its turning points,
@@ -24,7 +25,15 @@ pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
 use super::condensed::images;
 use super::condensed::matrix::UnsymmetricMatrix;
+use super::condensed::scaled::Scaled;
+use super::condensed::settings::SleepSettings;
+use super::condensed::sleeping;
+use super::condensed::sweeps::sweep;
+use super::condensed::warm::last_forces;
 use super::residuals::{applied_force, choose_displacements, natural_map};
+
+/// Relative round-off of a force at its limit.
+const ROUND_OFF: f64 = 1e-12;
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -66,9 +75,44 @@ impl Coulomb {
         Self { settings, ..Self::default() }
     }
 
-    /// Solves a program under Coulomb's law from a solution under the associated law, in at most
-    /// `max` factorisations. The result is solved if its residual is within the
-    /// tolerance of the goal, otherwise the best point on the way, stalled.
+    /// The start of a time step in which grains slide: the forces after sweeps of Coulomb's law from
+    /// the last forces, and the displacements that follow from them.
+    ///
+    /// `None` where sweeps do not apply (a degree of freedom without a weight, strength, images),
+    /// where bodies sleep, which the associated solver leaves out, and where nothing slides: both
+    /// laws then have the same solution, and the associated one is the more exact. `moved` are the
+    /// displacements of the last solution, m and rad.
+    #[must_use]
+    pub fn sweep(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<ConeSolution> {
+        let applies = program.is_dynamic()
+            && program.is_damped()
+            && program.cell.is_none()
+            && !program.has_bonds()
+            && sleeping::find(program, moved, &SleepSettings::default()).is_none();
+        if !applies {
+            return None;
+        }
+        let natural: Vec<usize> = (0..program.bodies.len()).collect();
+        let scaled = Scaled::new(program, &natural);
+        let law = SlidingLaw::Coulomb;
+        let (s, _) = sweep(&scaled, law, &last_forces(program));
+        let (_, df) = program.scales.units();
+        let forces: Vec<_> = s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect();
+        let slides = program.interactions.iter().zip(&forces).any(|(c, [p, q, tau])| {
+            let is_at = |force: &f64, slope: f64| {
+                slope > 0.0 && force.abs() >= (1.0 - ROUND_OFF) * slope * p
+            };
+            *p > 0.0 && (is_at(q, c.limits.friction) || is_at(tau, c.limits.rolling))
+        });
+        let displacements = program.imposed();
+        let mut start = ConeSolution { law, forces, displacements, ..ConeSolution::default() };
+        program.displacements_from_forces(&mut start);
+        slides.then_some(start)
+    }
+
+    /// Solves a program under Coulomb's law from a solution under the associated law or from forces
+    /// after [sweeps](Self::sweep), in at most `max` factorisations. The result is solved if its
+    /// residual is within the tolerance of the goal, otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
         program: &ConeProgram,
@@ -80,7 +124,11 @@ impl Coulomb {
         let mut trial = Trial::new(program, start, &settings, goal);
         trial.offer(&start.forces, &start.displacements);
         let is_associated = program.interactions.iter().all(|c| c.limits.has_strength());
-        if is_associated || trial.is_within(settings.max_start_map) || !self.prepare(program) {
+        // The associated solution is exact, and nothing slides where it solves Coulomb's law.
+        let is_swept = start.law == SlidingLaw::Coulomb;
+        let is_found =
+            if is_swept { trial.is_sharp() } else { trial.is_within(settings.max_start_map) };
+        if is_associated || is_found || !self.prepare(program) {
             return trial.into_solution(0);
         }
         let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
@@ -95,7 +143,9 @@ impl Coulomb {
         let u: Vec<_> = trial.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
         let force_units = [df[0], df[0], df[2]];
         let s: Vec<_> = start.forces.iter().map(|f| of(f, &force_units)).collect();
-        let z = system.near(&u, &s, settings.product);
+        let product =
+            if is_swept { settings.swept_share * trial.worst() } else { settings.product };
+        let z = system.near(&u, &s, product);
         let first = max.min(settings.max_iterations);
         interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
         for product in settings.arc_products {

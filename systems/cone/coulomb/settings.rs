@@ -9,10 +9,15 @@
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombSettings {
-    /// Products at the start of the interior-point iteration.
+    /// Products at the start of the interior-point iteration from the associated solution.
     ///
     /// 1e-3: decision 001.
     pub product: f64,
+    /// Products at the start of the interior-point iteration after sweeps, as a share of the
+    /// residual that these leave.
+    ///
+    /// 0.1: decision 004.
+    pub swept_share: f64,
     /// Maximum number of factorisations of the interior-point iteration.
     ///
     /// 40: decision 001.
@@ -71,6 +76,7 @@ impl Default for CoulombSettings {
     fn default() -> Self {
         Self {
             product: 1e-3,
+            swept_share: 0.1,
             max_iterations: 40,
             arc_products: [1e-1, 1e-3],
             max_arc: 250,

@@ -115,16 +115,6 @@ impl CondensedSettings {
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WarmSettings {
-    /// Number of sweeps before the interior point.
-    ///
-    /// 40: in the collapse of 5000 disks 20 leave two more of eleven factorisations an increment;
-    /// 80 save less than one and cost more time than that.
-    pub sweeps: usize,
-    /// Sweeps from one over all contacts to the next. Those between leave out contacts without
-    /// force.
-    ///
-    /// 5: decision 001.
-    pub full_sweep_every: usize,
     /// A contact without force is left out if its gap exceeds this fraction of the maximum
     /// displacement.
     ///
@@ -142,7 +132,7 @@ pub struct WarmSettings {
 
 impl Default for WarmSettings {
     fn default() -> Self {
-        Self { sweeps: 40, full_sweep_every: 5, max_gap: 0.06, product: 3e-4, max_returns: 2 }
+        Self { max_gap: 0.06, product: 3e-4, max_returns: 2 }
     }
 }
 
