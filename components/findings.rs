@@ -165,6 +165,11 @@ impl Guesses {
         self.best = Some(best.min(error));
         self.stalled <= max
     }
+
+    /// Forgets the errors of the passes so far: those that follow are about another place.
+    pub fn begin_anew(&mut self) {
+        (self.best, self.stalled) = (None, 0);
+    }
 }
 
 impl Corrections {

@@ -30,7 +30,7 @@ pub fn furthest(
     solution: &ConeSolution,
 ) -> Option<(usize, f64)> {
     let imposed = maximum_imposed(bodies);
-    let turns = of_pairs(bodies, contacts, program, solution).loaded;
+    let turns = of_pairs(bodies, contacts, program, solution, |k| contacts.0[k].normal).loaded;
     let travel = |i: usize| {
         let u = &solution.displacements[i];
         let way = (u[0].hypot(u[1]) - imposed).max(0.0) / bodies.radii[i];

@@ -1,12 +1,13 @@
 //! How far a solution turns contacts: the measure of whether its constant normals are valid.
 //!
-//! A program has the normals of its start. An error arises where the normal of a contact that
-//! carries load, or of a bond, turns on the way. A specimen that moves, bends or strains as a whole
-//! turns none of them by more than its neighbours' relative motion says, so that its size and shape
-//! do not count. With x the way between two centres and t the tangent of their contact, it turns by
+//! A program has the normals of its start, or those of the end from which a pass goes on. An error
+//! arises where the normal of a contact that carries load, or of a bond, turns away from them. A
+//! specimen that moves, bends or strains as a whole turns none of them by more than its neighbours'
+//! relative motion says, so that its size and shape do not count. With x the way between two centres
+//! and t the tangent of their contact in the program, it turns by
 //!
 //! ```text
-//! |t . (u_b - u_a)| / |x|                              rad
+//! |t . (x + u_b - u_a)| / |x|                          rad
 //! ```
 //!
 //! At a wall the normal turns with the wall, and at an arc or an end of a wall with x to the centre of
@@ -37,19 +38,25 @@ fn size(f: &[f64; 3]) -> f64 {
 /// solution is never accepted, and the grains would cross thousands of others on their way.
 const UNSUPPORTED: f64 = 5.0;
 
-/// The grain with the maximum turn, and this turn, rad.
+/// The grain with the maximum turn, and this turn, rad: in the increment, or with `is_followed` from
+/// the normals of the program.
 #[must_use]
 pub fn furthest(
     bodies: &BodyTable,
     contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
+    is_followed: bool,
 ) -> Option<(usize, f64)> {
-    let turns = turns(bodies, contacts, program, solution);
+    let of_program = |k: usize| program.interactions[k].normal;
+    let normal = |k: usize| if is_followed { of_program(k) } else { contacts.0[k].normal };
+    let pairs = of_pairs(bodies, contacts, program, solution, normal);
+    let turns = of_grains(bodies, solution, &pairs);
     turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The grain with the maximum turn, if it exceeds [`Acceptance::turn`], and this turn, rad.
+/// The grain with the maximum turn in the increment, if it exceeds [`Acceptance::turn`], and this turn,
+/// rad.
 #[must_use]
 pub fn too_far(
     bodies: &BodyTable,
@@ -58,7 +65,20 @@ pub fn too_far(
     solution: &ConeSolution,
     acceptance: &Acceptance,
 ) -> Option<(usize, f64)> {
-    furthest(bodies, contacts, program, solution).filter(|(_, turn)| !(*turn <= acceptance.turn))
+    let far = furthest(bodies, contacts, program, solution, false);
+    far.filter(|(_, turn)| !(*turn <= acceptance.turn))
+}
+
+/// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.
+#[must_use]
+pub fn of_loaded(
+    bodies: &BodyTable,
+    contacts: &ContactTable,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+) -> f64 {
+    let pairs = of_pairs(bodies, contacts, program, solution, |k| program.interactions[k].normal);
+    pairs.loaded.into_iter().flatten().fold(0.0, f64::max)
 }
 
 /// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the
@@ -78,10 +98,11 @@ pub fn is_unsupported(
     solution: &ConeSolution,
 ) -> bool {
     solution.displacements.len() == bodies.rows_in_program()
-        && furthest(bodies, contacts, program, solution).is_some_and(|(_, turn)| turn > UNSUPPORTED)
+        && furthest(bodies, contacts, program, solution, false)
+            .is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }
 
-/// By grain, the maximum turn of its bonds and of its contacts that carry load, rad. A grain
+/// By grain, the maximum turn in the increment of its bonds and of its contacts that carry load, rad. A grain
 /// without any has the minimum turn of its pairs, since it may lie on any of them, and a grain
 /// without pairs or with an imposed motion has none. A member of a rigid group turns by at least as
 /// much as the group.
@@ -92,7 +113,12 @@ pub fn turns(
     program: &ConeProgram,
     solution: &ConeSolution,
 ) -> Vec<f64> {
-    let PairTurns { loaded, nearest } = of_pairs(bodies, contacts, program, solution);
+    let pairs = of_pairs(bodies, contacts, program, solution, |k| contacts.0[k].normal);
+    of_grains(bodies, solution, &pairs)
+}
+
+fn of_grains(bodies: &BodyTable, solution: &ConeSolution, pairs: &PairTurns) -> Vec<f64> {
+    let PairTurns { loaded, nearest } = pairs;
     let of_grain = |i: usize| {
         if is_imposed(bodies, i) {
             return 0.0;
@@ -121,19 +147,20 @@ pub(crate) struct PairTurns {
     pub nearest: Vec<f64>,
 }
 
-/// Turns of the pairs of each grain.
+/// Turns of the pairs of each grain from the given normals.
 pub(crate) fn of_pairs(
     bodies: &BodyTable,
     contacts: &ContactTable,
     program: &ConeProgram,
     solution: &ConeSolution,
+    normal: impl Fn(usize) -> DVec2,
 ) -> PairTurns {
     let n = bodies.particles;
     let carrying = carrying(solution);
     let mut loaded = vec![None::<f64>; n];
     let mut nearest = vec![f64::INFINITY; n];
     for (k, contact) in contacts.0.iter().enumerate() {
-        let turn = turn(bodies, program, &solution.displacements, contact);
+        let turn = turn(bodies, program, &solution.displacements, contact, normal(k));
         let carries = contact.bond.is_some() || carrying.get(k).is_some_and(|carries| *carries);
         for i in [contact.a as usize, contact.b as usize].into_iter().filter(|i| *i < n) {
             if carries {
@@ -157,8 +184,14 @@ fn centre_of_curve(bodies: &BodyTable, contact: &Contact) -> Option<DVec2> {
     }
 }
 
-/// Angle by which a solution turns the normal of a contact, to first order, rad.
-fn turn(bodies: &BodyTable, program: &ConeProgram, u: &[[f64; 3]], contact: &Contact) -> f64 {
+/// Angle by which a solution turns the normal of a contact away from `normal`, to first order, rad.
+fn turn(
+    bodies: &BodyTable,
+    program: &ConeProgram,
+    u: &[[f64; 3]],
+    contact: &Contact,
+    normal: DVec2,
+) -> f64 {
     let [a, b] = [contact.a as usize, contact.b as usize];
     let moved = |i: usize| {
         let u = program.bodies[i].to_global(u[i]);
@@ -176,5 +209,5 @@ fn turn(bodies: &BodyTable, program: &ConeProgram, u: &[[f64; 3]], contact: &Con
         let image = bodies.shift(a, b) / cell.length();
         relative += of_program.shift(image, program.bodies[row].to_global(u[row]));
     }
-    (contact.normal.perp().dot(relative) / way.length()).abs()
+    (normal.perp().dot(relative) / way.length() + normal.perp().dot(contact.normal)).abs()
 }

@@ -63,6 +63,9 @@ pub struct StageEnd {
     pub rows: u64,
     /// Number of these with the status `capped`.
     pub capped: u64,
+    /// Number of these whose end is out of balance because [passes](clastic_systems::attempt::ending) found
+    /// none: `geometry` in their `caps`.
+    pub unbalanced: u64,
     /// Number of particles that are [set aside](clastic_components::particle::SetAside) after its last
     /// increment.
     pub set_aside: u64,
@@ -78,13 +81,14 @@ pub struct StageEnd {
 }
 
 impl StageEnd {
-    /// Warning about capped increments, about a measure that has passed the value on which it
+    /// Warning about capped increments and those out of balance, about a measure that has passed the value on which it
     /// should land, about stop conditions that never held, and about particles that are set aside;
     /// `None` if the stage has none of them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let all = [
             self.capped_warning(),
+            self.unbalanced_warning(),
             self.passed_warning(),
             self.missed_warning(),
             self.aside_warning(),
@@ -135,6 +139,17 @@ impl StageEnd {
             }
             _ => Some(format!("{capped} of {rows} increments of stage {stage} are capped")),
         }
+    }
+
+    fn unbalanced_warning(&self) -> Option<String> {
+        let Self { rows, unbalanced, .. } = self;
+        let stage = label(&self.stage);
+        (*unbalanced > 0).then(|| {
+            format!(
+                "{unbalanced} of {rows} increments of stage {stage} end out of balance, where contacts slide \
+                 (`geometry` in `caps` of the history, by `imbalance_at_end`); smaller increments may help"
+            )
+        })
     }
 }
 

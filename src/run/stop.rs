@@ -4,6 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::BodyVelocity;
+use clastic_components::findings::Corrections;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_components::particle::SetAside;
@@ -95,12 +96,14 @@ pub fn end_increment(world: &mut World) {
         }
     };
     let done = world.resource::<ClasticProgress>().done;
+    let is_unbalanced = status.is_committed() && world.resource::<Corrections>().capped;
     let set_aside = world.query_filtered::<(), With<SetAside>>().iter(world).count() as u64;
     if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
         end.rows += 1;
         end.increments = done.ceil() as u64;
         end.set_aside = set_aside;
         end.capped += u64::from(status == IncrementStatus::Capped);
+        end.unbalanced += u64::from(is_unbalanced);
         (end.ended_by, end.stop, end.passed) = (ended_by, held, passed);
     }
     if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {

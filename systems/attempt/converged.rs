@@ -8,6 +8,7 @@ use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconve
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
+use super::ending;
 use super::places::{moves_most, near, worst_place};
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
@@ -71,8 +72,8 @@ pub fn judge(
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
     if fails && corrections.passes > 0 {
         // A guess of the end proves nothing.
-        corrections.give_up();
-        attempt.verdict = Verdict::Again;
+        let is_elastic = corrections.idle_motion.is_some();
+        attempt.verdict = ending::fail(&mut corrections, is_elastic);
     }
     if attempt.verdict != Verdict::Impossible {
         // A solution has a certificate only if it proves a collapse.

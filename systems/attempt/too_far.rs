@@ -6,14 +6,14 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::Restraints;
+use clastic_components::findings::{Corrections, Restraints};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::converged::impossible_or;
 use super::places::{digits, near};
 use super::restraints::restrain;
-use crate::turns::{of_bonded, too_far};
+use crate::turns::{furthest, of_bonded};
 
 /// Rejects a static solution that [turns](crate::turns) a bond or a contact that carries load by more
 /// than [`Acceptance::turn`]. It may show [restraints](super::restraints), which the next attempt then
@@ -25,14 +25,17 @@ pub fn judge(
     mut solution: ResMut<ConeSolution>,
     acceptance: Res<Acceptance>,
     analysis: Res<ClasticAnalysis>,
+    corrections: Res<Corrections>,
     mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    let found = too_far(&bodies, &contacts, &program, &solution, &acceptance);
-    let Some((grain, turn)) = found else { return };
+    // The passes have followed elastic bonds, which have no memory of the way.
+    let is_followed = corrections.idle_motion.is_some();
+    let found = furthest(&bodies, &contacts, &program, &solution, is_followed);
+    let Some((grain, turn)) = found.filter(|(_, turn)| !(*turn <= acceptance.turn)) else { return };
     let all_regularised = attempt.effort() == Some(Effort::Regularised);
     let tables = (&*bodies, &*contacts, &*program, &*solution);
     attempt.turn = of_bonded(&bodies, (grain, turn));

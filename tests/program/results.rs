@@ -1,5 +1,6 @@
 //! Collapses, mechanisms, capped increments and key results in the output of the program.
 
+use std::collections::BTreeMap;
 use std::fs;
 
 use assert_cmd::assert::Assert;
@@ -197,6 +198,24 @@ fn a_peak_at_a_capped_increment_counts_and_is_marked() {
     assert!(results["youngs_modulus_pa"].is_null());
     let reason = results["not_defined"]["youngs_modulus_pa"].as_str().unwrap();
     assert!(reason.contains("capped"), "{reason}");
+}
+
+/// Increments with forces of twice the maximum out of balance were accepted without a word.
+#[test]
+fn a_run_with_increments_out_of_balance_says_so() {
+    let (done, out) = run("uniaxial_small", &["--quiet", "--set", "output.plots=false"]);
+    let said = stdout(&done.code(0));
+    let history = rows(out.path(), "history.csv");
+    let count = history.iter().filter(|row| row["caps"] == "geometry").count();
+    let beyond = |row: &&BTreeMap<String, String>| {
+        row["imbalance_at_end"].parse::<f64>().is_ok_and(|imbalance| imbalance > 0.05)
+    };
+    assert!(count > 0 && history.iter().filter(beyond).all(|row| row["caps"] == "geometry"));
+    let stages = json(out.path(), "run.json")["stages"].clone();
+    let load = stages.as_array().unwrap().iter().find(|stage| stage["stage"] == "load").unwrap();
+    assert_eq!(load["unbalanced"], count);
+    let what = format!("WARNING: {count} of {} increments of stage load end out of", load["rows"]);
+    assert!(said.lines().any(|line| line.starts_with(&what)), "no `{what}` in\n{said}");
 }
 
 #[test]

@@ -11,6 +11,11 @@
 //! It takes the place of the geometric stiffness, which the program does not have: near a buckling
 //! load the plain map converges as slowly as the load is near, this one in a few passes. See D. G.
 //! Anderson, J. ACM 12 (1965) 547.
+//!
+//! A change that grows by g >= 1 from guess to solution leads away from a fixed point that is not
+//! stable: a straight column beyond its buckling load. Anderson's step along it, `1/(1 - g)` times what
+//! the guess missed, would lead back there. The guess takes `1/(g - 1)` times instead, as Newton's
+//! method for a minimum does that takes the absolute values of the curvatures.
 
 use clastic_components::findings::Guesses;
 
@@ -18,8 +23,9 @@ use clastic_components::findings::Guesses;
 const DEPTH: usize = 2;
 
 /// Takes over the solution `u` about the last guess, and makes the next guess: the first one is `u`
-/// with the linear response `idle`. A rotation counts with the length `radius`, m.
-pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f64) {
+/// with the linear response `idle`. `growth` is that of the last change. A rotation counts with the
+/// length `radius`, m.
+pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], growth: f64, radius: f64) {
     if guesses.last.len() != u.len() {
         guesses.last = vec![[0.0; 3]; u.len()];
     }
@@ -29,8 +35,23 @@ pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f6
         // The guess of this change was made when the miss before it was known.
         *change = difference(&missed, &guesses.missed);
     }
+    let mut guess: Vec<[f64; 3]> = u.to_vec();
+    let mut add = |factor: f64, step: &[[f64; 3]]| {
+        for (x, du) in guess.iter_mut().zip(step) {
+            *x = [0, 1, 2].map(|k| x[k] + factor * du[k]);
+        }
+    };
     let weights = match &guesses.changes[..] {
-        [] => vec![],
+        [] => {
+            add(1.0, idle);
+            vec![]
+        }
+        [.., [dv, _]] if growth >= 1.0 => {
+            let along = over(dot(dv, &missed), dot(dv, dv));
+            add(along / (growth - 1.0).max(f64::EPSILON) - along, dv);
+            guesses.begin_anew();
+            vec![]
+        }
         [[_, a]] => vec![over(dot(a, &missed), dot(a, a))],
         [.., [_, a], [_, b]] => {
             let (aa, ab, bb) = (dot(a, a), dot(a, b), dot(b, b));
@@ -43,12 +64,6 @@ pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f6
             }
         }
     };
-    let mut guess: Vec<[f64; 3]> = u.to_vec();
-    if guesses.changes.is_empty() {
-        for (x, du) in guess.iter_mut().zip(idle) {
-            *x = [0, 1, 2].map(|k| x[k] + du[k]);
-        }
-    }
     for (w, [dv, dr]) in weights.iter().zip(&guesses.changes) {
         for ((x, dv), dr) in guess.iter_mut().zip(dv).zip(dr) {
             *x = [0, 1, 2].map(|k| x[k] - w * (dv[k] + dr[k]));
@@ -61,9 +76,21 @@ pub fn next(guesses: &mut Guesses, u: &[[f64; 3]], idle: &[[f64; 3]], radius: f6
     (guesses.missed, guesses.last) = (missed, guess);
 }
 
+/// Reduces the last step of the guess to a part of it.
+pub fn shorten(guesses: &mut Guesses, part: f64) {
+    let Some([step, _]) = guesses.changes.last_mut() else { return };
+    for (x, step) in guesses.last.iter_mut().zip(step) {
+        for k in 0..3 {
+            x[k] -= (1.0 - part) * step[k];
+            step[k] *= part;
+        }
+    }
+    guesses.begin_anew();
+}
+
 /// Growth of the last change of the guess in the map from guess to solution, `dv . du / dv . dv`, where
 /// `u` is the solution about the last guess. Near a buckling load it is the load over the buckling load.
-/// At 1 and above, the end that the passes would find is not stable. 0 before the second pass.
+/// At 1 and above, the end on the line of the change is not stable. 0 before the second pass.
 pub fn growth(guesses: &Guesses, u: &[[f64; 3]], radius: f64) -> f64 {
     let Some([dv, _]) = guesses.changes.last() else { return 0.0 };
     let dr = difference(&difference(u, &guesses.last), &guesses.missed);
@@ -101,10 +128,10 @@ mod tests {
         let map =
             |v: &[[f64; 3]]| vec![[0.9 * v[0][0] + 0.3 * v[0][1] + 1.0, -1.4 * v[0][1] + 2.0, 0.0]];
         let mut guesses = Guesses::default();
-        next(&mut guesses, &map(&[[0.0; 3]]), &[], 1.0);
+        next(&mut guesses, &map(&[[0.0; 3]]), &[], 0.0, 1.0);
         for _ in 0..3 {
             let u = map(&guesses.last);
-            next(&mut guesses, &u, &[], 1.0);
+            next(&mut guesses, &u, &[], 0.0, 1.0);
         }
         let end = [12.5, 2.0 / 2.4, 0.0];
         assert!((guesses.last[0][0] - end[0]).abs() < 1e-9, "{guesses:?}");

@@ -6,14 +6,15 @@
 //! `MAX_IMBALANCE` of the maximum, and another pass would move no body by more than
 //! `MAX_IDLE_MOTION` of the motion of the increment.
 //!
-//! The second condition is the one that tells the error of the motion. Near a buckling load a force
-//! of 1e-7 of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five
+//! The second condition is the one that tells the error of the motion. Near a buckling load a force of
+//! 1e-7 of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five
 //! times the maximum moves them by a thousandth. Before the first pass the idle motion is the linear
 //! response of the solution to what is out of balance. With a growth g from pass to pass, all further
 //! passes together move 1/(1 - g) times as much. From g = 1 on the equilibrium that the passes would
-//! find is not stable, and they end. Where contacts slide, the forces depend on the
-//! path as much as on the end, the next increment begins with what was out of balance, and the first
-//! condition alone decides.
+//! find is not stable, and they leave it for one that is, as a column that buckles. No step between
+//! guesses turns a bond or a loaded contact further than one solution may. Where contacts slide, the
+//! forces depend on the path as much as on the end, the next increment begins with what was out of
+//! balance, and the first condition alone decides.
 //!
 //! Passes are for what guides a body over many increments: elastic bonds, rigid groups and curved walls.
 //! Rigid bonds that form a loop leave no room for gaps that the program does not have. The
@@ -30,7 +31,7 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_components::findings::{Corrections, Guesses};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_components::wall_shape::WallShape;
 use clastic_cone::condensed::response::LinearResponse;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
@@ -38,7 +39,7 @@ use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
 use super::places::digits;
-use crate::turns::{carrying, furthest, of_bonded};
+use crate::turns::{carrying, furthest, of_bonded, of_loaded};
 
 /// Maximum out-of-balance force at the end over the maximum force where nothing slides.
 const MAX_IMBALANCE: f64 = 1e-3;
@@ -57,10 +58,8 @@ const FREE: f64 = 1e-3;
 const LAST_FORCE: f64 = 1e-3;
 /// Maximum turn of a contact, rad, from which a solution says where the increment ends.
 const MAX_TURN: f64 = 2.0;
-/// Maximum growth of an idle motion that is judged before the first pass.
-const MAX_FIRST_GROWTH: f64 = 0.9;
-/// Maximum number of passes.
-const MAX_PASSES: u32 = 20;
+/// Maximum number of passes. Columns at up to twice their buckling load take 40 in one increment.
+const MAX_PASSES: u32 = 60;
 /// Maximum number of passes in which the error does not fall to [`PROGRESS`] of its minimum.
 const MAX_STALLED: u32 = 3;
 /// Part of the error to which a pass with progress reduces it.
@@ -73,6 +72,7 @@ pub struct Stiffness(LinearResponse);
 /// Tables of the increment.
 #[derive(SystemParam)]
 pub struct Tables<'w> {
+    acceptance: Res<'w, Acceptance>,
     analysis: Res<'w, ClasticAnalysis>,
     bodies: Res<'w, BodyTable>,
     contacts: Res<'w, ContactTable>,
@@ -88,9 +88,10 @@ pub fn judge(
     mut attempt: ResMut<Attempt>,
 ) {
     let Tables { bodies, program, solution, .. } = &tables;
-    let far = furthest(bodies, &tables.contacts, program, solution);
+    let (solution, state) = (&**solution, &mut *state);
+    let is_followed = state.idle_motion.is_some();
+    let far = furthest(bodies, &tables.contacts, program, solution, is_followed);
     let Some(increment) = tables.increment(far) else { return };
-    let state = &mut *state;
     let is_static = tables.is_static();
     let counts = tables.counting();
     let ending = increment.ending(solution, state, &counts);
@@ -110,6 +111,8 @@ pub fn judge(
     } else {
         (Vec::new(), 0.0)
     };
+    // A time step has no other end to go to.
+    let growth = if is_static { growth } else { 0.0 };
     let error = if !is_static {
         energy::error(program, solution, &ending, unit * bodies.mean_radius)
     } else if is_elastic {
@@ -123,25 +126,35 @@ pub fn judge(
     if error <= 1.0 {
         return;
     }
-    let makes_way = state.guesses.makes_way(error, PROGRESS, MAX_STALLED);
-    if makes_way && growth < 1.0 && state.passes < MAX_PASSES {
-        let guess = motion.next(&mut state.guesses, &idle, solution);
+    let makes_way = growth >= 1.0 || state.guesses.makes_way(error, PROGRESS, MAX_STALLED);
+    if makes_way && state.passes < MAX_PASSES {
+        let over = |guess: Vec<[f64; 3]>| {
+            let end = ConeSolution { displacements: guess, ..solution.clone() };
+            let turn = of_loaded(bodies, &tables.contacts, program, &end);
+            if is_elastic { turn / tables.acceptance.turn } else { 0.0 }
+        };
+        let guess = motion.next(&mut state.guesses, (&idle, growth), solution, over);
         state.list = increment.about(&guess);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
-    } else if !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING) {
-        if is_elastic && attempt.halved_turn.is_none() {
-            attempt.turn = far.and_then(|far| of_bonded(bodies, far));
-            attempt.verdict = Verdict::TooFar(format!(
-                "the end of the increment is out of balance by {} of the maximum force, and passes \
-                 about it do not converge",
-                digits(state.imbalance)
-            ));
-        } else {
-            state.give_up();
-            attempt.verdict = Verdict::Again;
-        }
+    } else if is_static || !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING) {
+        attempt.turn = far.and_then(|far| of_bonded(bodies, far));
+        attempt.verdict = fail(state, is_elastic);
     }
+}
+
+/// What follows where passes find no end. Where contacts slide, it is the solution with the geometry
+/// of the start, marked in the history: the next increment begins with what is out of balance.
+pub fn fail(state: &mut Corrections, is_elastic: bool) -> Verdict {
+    if is_elastic {
+        return Verdict::TooFar(format!(
+            "the end of the increment is out of balance by {} of the maximum force, and passes about it \
+             do not converge",
+            digits(state.imbalance)
+        ));
+    }
+    state.give_up();
+    Verdict::Again
 }
 
 impl Tables<'_> {
@@ -259,13 +272,12 @@ impl Motion {
         let idle = self.of_loaded(&idle);
         let squared = mixing::dot(own, own, *radius);
         let growth = if squared > 0.0 { mixing::dot(&idle, own, *radius) / squared } else { 0.0 };
-        // The response is only a first order: a pass decides whether the end is stable.
-        (idle, growth.min(MAX_FIRST_GROWTH))
+        (idle, growth)
     }
 
     /// An idle motion, with all that follows from it, over that of the increment.
     fn over_own(&self, idle: &[[f64; 3]], growth: f64) -> f64 {
-        let all = if growth < 1.0 { (growth / (1.0 - growth)).max(1.0) } else { 1.0 };
+        let all = if growth < 1.0 { (growth / (1.0 - growth)).max(1.0) } else { f64::INFINITY };
         let size = if idle.is_empty() { f64::INFINITY } else { largest(idle, self.radius) };
         if size <= NO_MOTION * self.radius {
             0.0
@@ -278,12 +290,20 @@ impl Motion {
     fn next(
         &self,
         guesses: &mut Guesses,
-        idle: &[[f64; 3]],
+        (idle, growth): (&[[f64; 3]], f64),
         solution: &ConeSolution,
+        over: impl Fn(Vec<[f64; 3]>) -> f64,
     ) -> Vec<[f64; 3]> {
-        mixing::next(guesses, &self.own, idle, self.radius);
-        let guess = guesses.last.iter().zip(&solution.displacements).zip(&self.loaded);
-        guess.map(|((guess, u), loaded)| if *loaded { *guess } else { *u }).collect()
+        mixing::next(guesses, &self.own, idle, growth, self.radius);
+        let of_all = |guesses: &Guesses| {
+            let guess = guesses.last.iter().zip(&solution.displacements).zip(&self.loaded);
+            guess.map(|((guess, u), loaded)| if *loaded { *guess } else { *u }).collect::<Vec<_>>()
+        };
+        let over = over(of_all(guesses));
+        if over > 1.0 {
+            mixing::shorten(guesses, 1.0 / over);
+        }
+        of_all(guesses)
     }
 }
 
