@@ -21,7 +21,7 @@ const PROGRAM: &str = env!("CARGO_BIN_EXE_clastic");
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
 /// A bonded lattice that is compressed until bonds break: 64 increments in half a second, with
-/// frames and pictures.
+/// frames and the page.
 const LATTICE: &str = r#"(
     version: 1,
     title: "lattice",
@@ -134,7 +134,6 @@ fn assert_whole(directory: &Path, what: &str) -> u64 {
             assert!(serde_json::from_str::<Value>(&text).is_ok(), "{what}: {name}: {text}");
         } else {
             let end = match name.rsplit('.').next() {
-                Some("svg") => "</svg>",
                 Some("html") => "</html>",
                 _ => ")",
             };

@@ -1,12 +1,12 @@
 //! Size of the increment: whole curves at a quarter to eight times the increment, over seeds.
 
+use crate::chart::{Chart, Line};
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{BodyOrigin, BodyPosition};
 use clastic::components::increment::ClasticProgress;
 use clastic::components::observation::Observation;
 use clastic::components::wall::WallName;
 use clastic::output::frames::specimen_rows;
-use clastic::output::plots::chart::{Chart, Line};
 use clastic::run::key_results::{KeyResults, Phase};
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::{
@@ -187,8 +187,6 @@ fn chart(test: &Test, curves: Vec<Curve>) -> Chart {
         x: "axial strain, %".to_owned(),
         y: "axial stress, MPa".to_owned(),
         lines: lines.collect(),
-        second: None,
-        equal: false,
     }
 }
 

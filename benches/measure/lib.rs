@@ -21,6 +21,7 @@
 
 pub mod accuracy;
 pub mod capture;
+pub mod chart;
 pub mod clock;
 pub mod increments;
 pub mod machine;

@@ -4,13 +4,13 @@
 //! references differ by more than [`UNIQUE`] in a measure, that measure is not unique in the
 //! program and is left out; their difference is the floor below which errors mean nothing.
 
+use crate::chart::{Chart, Line};
 use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::{Condensed, CondensedSettings};
 use clastic::cone::polish::PolishSettings;
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic::cone::residuals::residuals;
 use clastic::cone::solver::ConeSolver;
-use clastic::output::plots::chart::{Chart, Line};
 
 use crate::accuracy::{Errors, errors};
 use crate::capture::{Captured, Moment, capture};
@@ -308,7 +308,5 @@ fn chart(problem: &Captured, points: &[Point]) -> Chart {
         x: "log10 of the error".to_owned(),
         y: "log10 of the time in ms".to_owned(),
         lines: Kind::ALL.map(line).to_vec(),
-        second: None,
-        equal: false,
     }
 }

@@ -1,9 +1,9 @@
 //! Time and memory of an elastic increment against the number of disks.
 
+use crate::chart::{Chart, Line};
 use clastic::components::contact::BodyTable;
 use clastic::components::observation::{Observation, Timings};
 use clastic::cone::program::ConeProgram;
-use clastic::output::plots::chart::{Chart, Line};
 use clastic::run::{Simulation, Step};
 
 use crate::clock::{middle, time};
@@ -104,8 +104,6 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
             name: "increment".to_owned(),
             points: points.iter().map(|p| (p.0.log10(), p.1.log10())).collect(),
         }],
-        second: None,
-        equal: false,
     };
     let text = "Specimens are the stored packings (400 and 7380 disks) and mirrored tiles of the \
         larger one. `setup_s` is the time to spawn the bodies. `first_increment_s` \

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use clastic::cone::program::ConeProgram;
-use clastic::output::plots::history::History;
+use clastic::output::read_history::History;
 use clastic::output::{OutputError, directory, timings};
 use clastic::scene::LoadedScene;
 use clastic::scene::format::{Load, Particle, Specimen, Stage, WallControl};

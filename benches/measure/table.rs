@@ -1,7 +1,7 @@
 //! Tables and charts of a part of the benchmark, as plain data.
 
+use crate::chart::Chart;
 use clastic::output::csv_file::Row;
-use clastic::output::plots::chart::Chart;
 
 /// A cell of a table.
 #[derive(Clone, Debug, PartialEq)]

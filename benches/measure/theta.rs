@@ -8,10 +8,10 @@
 use std::f64::consts::PI;
 use std::path::Path;
 
+use crate::chart::{Chart, Line};
 use bevy_ecs::prelude::*;
 use clastic::components::body::{BodyId, BodyOrigin, BodyPosition};
 use clastic::components::particle::Particle;
-use clastic::output::plots::chart::{Chart, Line};
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::{LoadedScene, from_str};
 
@@ -80,8 +80,6 @@ pub fn run() -> Result<Part, BenchError> {
         x: "log10 of sqrt(k/m) dt".to_owned(),
         y: "log10 of the error".to_owned(),
         lines,
-        second: None,
-        equal: false,
     };
     Ok(Part {
         name: "theta",

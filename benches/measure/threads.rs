@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::program::ConeProgram;
-use clastic::output::plots::history::History;
+use clastic::output::read_history::History;
 use clastic::output::{OutputError, directory};
 use clastic::run::{Simulation, Step};
 use rayon::ThreadPoolBuilder;

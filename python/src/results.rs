@@ -6,7 +6,7 @@ use clastic::frames::{self, Disk, Strain};
 use clastic::output::directory;
 use clastic::output::drive::Drive;
 use clastic::output::marks::marks as marks_of;
-use clastic::output::plots::history::History;
+use clastic::output::read_history::History;
 use clastic::study::strength::{MohrCoulomb, Strength};
 use glam::DVec2;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};

@@ -12,9 +12,7 @@ use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
 use crate::output::directory::{self, default_directory};
 use crate::output::marks::marks;
-use crate::output::plots::history::History;
-use crate::output::plots::strength::megapascals;
-use crate::output::plots::{self, strength};
+use crate::output::read_history::History;
 use crate::study::means::Spread;
 use crate::study::strength::{HoekBrown, MohrCoulomb, Strength};
 use crate::study::{Study, plan, table};
@@ -30,7 +28,7 @@ pub const DEFAULT_FIELD: &str = "let.confining";
 /// Name of the seed.
 const SEED: &str = "seed";
 
-/// Makes the runs, prints the envelopes, and writes table and figure.
+/// Makes the runs, prints the envelopes, and writes the table of peaks.
 pub fn envelope(args: &EnvelopeArgs, words: &[OsString], app: &App) -> Result<Exit, Failure> {
     let sweep = study(args, app)?;
     fs::create_dir_all(&sweep.folder).map_err(OutputError::at(&sweep.folder))?;
@@ -208,14 +206,12 @@ fn report(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
         });
         say(format_args!("  {name:9} {:.digits$} {unit}{scatter}", factor * value))?;
     }
-    write(sweep, points)?;
-    if plots::DRAWN {
-        let path = sweep.folder.join("envelope.svg");
-        let chart = strength::mohr(&strengths, &sweep.title);
-        write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
-        say(format_args!("drawn: {}", path.display()))?;
-    }
-    Ok(())
+    write(sweep, points)
+}
+
+/// A stress in MPa without digits of round-off.
+fn megapascals(stress: f64) -> f64 {
+    format!("{:.9e}", 1e-6 * stress).parse().unwrap_or(f64::NAN)
 }
 
 fn write(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {

@@ -8,7 +8,7 @@ use crate::export;
 use crate::frames::{Frame, FrameError, series};
 use crate::output::directory;
 use crate::output::drive::Drive;
-use crate::output::plots::history::History;
+use crate::output::read_history::History;
 
 use super::exit::{Exit, Failure, say};
 

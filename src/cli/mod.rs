@@ -4,7 +4,6 @@
 //! and `resume` know the stages, measures and walls that the plugins provide.
 
 mod check;
-mod compare;
 mod envelope;
 pub mod exit;
 mod export;
@@ -20,6 +19,8 @@ mod report;
 pub mod resolve;
 mod resume;
 mod run;
+#[cfg(feature = "report")]
+mod runs_table;
 mod summary;
 mod sweep;
 mod threads;
@@ -43,7 +44,7 @@ Examples:
   clastic check uniaxial                        is the scene sound?
   clastic run uniaxial                          run it; results go to runs/uniaxial
   clastic report runs/uniaxial                  a page to look at it: animation, curves, key results
-  clastic compare runs/a runs/b                 their curves in one picture
+  clastic report runs/a runs/b                  their curves over one another, and a table
   clastic run uniaxial --checkpoint-every 10    lose no more than 10 increments if it is killed
   clastic resume runs/uniaxial                  go on from there
   clastic resume runs/a --scene longer.ron      give a run that has ended more stages
@@ -82,9 +83,9 @@ enum Command {
         /// A rig, or a scene that clastic ships; without it the names of the rigs
         name: Option<String>,
     },
-    /// Make the runs of a study, several at once, and write one table and one figure
+    /// Make the runs of a study, several at once, and write one table
     Sweep(SweepArgs),
-    /// Find the strength at several confining stresses: Mohr circles, c and phi, sigma_ci and m_i
+    /// Find the strength at several confining stresses: c and phi, sigma_ci and m_i
     Envelope(EnvelopeArgs),
     /// Find the factor at which slopes slide: a command of the package for Python (docs/python.md)
     #[command(disable_help_flag = true)]
@@ -96,7 +97,7 @@ enum Command {
     /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
     Export(export::ExportArgs),
     /// Write a page for a browser: curves, animation and key results of a run, or curves and a
-    /// table of several runs
+    /// table of several runs, which is printed too
     #[cfg(feature = "report")]
     Report {
         /// Directories of runs, or of studies with all their runs
@@ -105,15 +106,6 @@ enum Command {
         /// The page [default: DIR/report.html of one run, runs/report.html of several]
         #[arg(long, value_name = "FILE")]
         out: Option<PathBuf>,
-    },
-    /// Draw the curves of several runs in one picture and print their key results
-    Compare {
-        /// Directories of runs
-        #[arg(required = true, value_name = "DIR")]
-        runs: Vec<PathBuf>,
-        /// Directory for the pictures
-        #[arg(long, value_name = "DIR", default_value = "runs/compare")]
-        out: PathBuf,
     },
 }
 
@@ -131,7 +123,7 @@ struct SweepArgs {
     /// Make only the Nth run of the study, as a task of a job array does
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     only: Option<u32>,
-    /// Make no run; write table and figure of the existing runs
+    /// Make no run; write the table of the existing runs
     #[arg(long, conflicts_with = "only")]
     collect: bool,
     /// Print a job array for a cluster and make no run
@@ -327,7 +319,6 @@ fn execute<M>(command: Command, words: &[OsString], plugins: impl Plugins<M> + S
         Command::Export(args) => export::export(&args),
         #[cfg(feature = "report")]
         Command::Report { runs, out } => report::report(&runs, out),
-        Command::Compare { runs, out } => compare::compare(&runs, &out),
     };
     match done {
         Ok(exit) => exit,

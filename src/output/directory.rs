@@ -7,9 +7,8 @@ use std::path::{Path, PathBuf};
 use super::OutputError;
 use super::atomic::PART;
 pub use super::names::*;
-use super::pictures;
 
-/// Files of the end of a run besides its pictures.
+/// Files of the end of a run.
 const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];
 
 /// Frames of moments that have no number.
@@ -85,8 +84,7 @@ pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), Ou
         let of_the_end = !there.contains(&&*name)
             && (OF_THE_END.contains(&&*name)
                 || [SPECIMEN, MECHANISM].contains(&&*name)
-                || is_saved_state(&name)
-                || pictures::FILES.contains(&&*name));
+                || is_saved_state(&name));
         let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
         let part = name.strip_suffix(PART).is_some_and(is_ours);
         if of_the_end || later || part {
@@ -166,7 +164,6 @@ fn is_ours(name: &str) -> bool {
         .contains(&name)
         || OF_THE_END.contains(&name)
         || is_saved_state(name)
-        || pictures::FILES.contains(&name)
         || numbered(name, "program_", ".json").is_some()
 }
 

@@ -3,7 +3,7 @@
 
 use serde::Serialize;
 
-use super::plots::history::{History, TestPoint};
+use super::read_history::{History, TestPoint};
 
 /// Columns of motion and of force, and the name of the axis.
 const AXES: [(&str, &str, &str); 3] = [

@@ -1,4 +1,4 @@
-//! Ends the output of a run: final particles, outcome, key results, charts.
+//! Ends the output of a run: final particles, outcome, key results, the page.
 
 use bevy_ecs::prelude::*;
 
@@ -10,11 +10,12 @@ use super::avalanches::CurrentAvalanche;
 use super::drive::PeakForce;
 use super::found::Found;
 use super::prepared::PreparedSpecimen;
+use super::read_history::History;
 use super::run_directory::RunDirectory;
 use super::run_record::OutcomeRecord;
 use super::save::{save, save_the_end};
 use super::snapshot::Snapshot;
-use super::{OutputError, directory, frames, names, plots, states};
+use super::{OutputError, directory, frames, names, states};
 use crate::run::key_results::{KeyResults, Results};
 use crate::run::sanity;
 use crate::run::stages::Script;
@@ -74,9 +75,8 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         let results = world.resource::<KeyResults>().results();
         let pours = world.resource::<Script>().scene.stages.iter().any(Stage::pours);
         let results = world.resource::<Found>().complete(results, pours);
-        // The charts come last, so that the numbers are complete if one fails.
+        // The page comes last, so that the numbers are complete if it fails.
         write_record(&mut run, world, ending.outcome(), &results)?;
-        draw(&run, world)?;
         write_report(&run, world)?;
         if has_ended {
             // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
@@ -118,7 +118,7 @@ fn write_record(
     record.results = results.clone();
     if results.peak_stress_pa.is_none() && !run.probes.is_empty() {
         let record = serde_json::to_value(&run.record).map_err(OutputError::at(&path))?;
-        let history = plots::history::History::of_record(run.directory(), &record)?;
+        let history = History::of_record(run.directory(), &record)?;
         // Below, a force is round-off of those of the specimen.
         let least = ROUND_OFF * world.resource::<Found>().largest_force;
         let radius = world.resource::<BodyTable>().mean_radius;
@@ -127,7 +127,7 @@ fn write_record(
     run.record.write(&path)
 }
 
-/// Writes the page, if the scene has pictures.
+/// Writes the page, if the scene asks for it.
 #[cfg(feature = "report")]
 fn write_report(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
     let scene = &world.resource::<Script>().scene;
@@ -142,13 +142,4 @@ fn write_report(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
 #[cfg(not(feature = "report"))]
 fn write_report(_: &RunDirectory, _: &World) -> Result<(), OutputError> {
     Ok(())
-}
-
-fn draw(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
-    let scene = &world.resource::<Script>().scene;
-    if !(scene.output.plots && plots::DRAWN) {
-        return Ok(());
-    }
-    let history = plots::history::History::of_run(run.directory())?;
-    plots::curves(run.directory(), &scene.title, &history)
 }

@@ -18,7 +18,6 @@
 //! | `program_000123.json` | cone program and solution of increment 123, if requested |
 //! | `mechanism.csv` | the mechanism of the first collapse |
 //! | `report.html` | curves, animation and key results as a page, written at the end |
-//! | `*.svg` | charts, drawn at the end |
 //! | `final_checkpoint.bin` | state from which more stages or increments continue |
 //! | `checkpoint.bin` | state between two increments, if requested or if a run stops early |
 //!
@@ -51,11 +50,10 @@ pub mod history;
 pub mod marks;
 pub(crate) mod mechanism;
 mod names;
-mod pictures;
-pub mod plots;
 mod plugin;
 pub(crate) mod porosity;
 pub(crate) mod prepared;
+pub mod read_history;
 #[cfg(feature = "report")]
 pub mod report;
 pub(crate) mod run_directory;

@@ -89,7 +89,6 @@ fn two_runs_leave_the_same_bytes() -> Result<(), Box<dyn Error>> {
         "frame_000004.csv",
         "frame_000004.npz",
         "history.csv",
-        "probes.svg",
         "program_000003.json",
         #[cfg(feature = "report")]
         "report.html",

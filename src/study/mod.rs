@@ -1,7 +1,7 @@
-//! Studies: many runs of one scene with other settings, as one table and one figure.
+//! Studies: many runs of one scene with other settings, as one table.
 //!
 //! ```text
-//! Study (RON)  ->  Plan: one PlannedRun per combination, each checked  ->  runs  ->  table, figure
+//! Study (RON)  ->  Plan: one PlannedRun per combination, each checked  ->  runs  ->  table
 //! ```
 //!
 //! A run lies in a directory that is named by the hash of its content: the program's version, the

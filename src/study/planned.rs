@@ -51,13 +51,7 @@ pub struct Wanted<'a> {
 impl PlannedRun {
     /// The run in one line: its names and values.
     pub fn label(&self, names: &[String]) -> String {
-        self.label_without(names, &[])
-    }
-
-    /// The run in one line, without some of its names.
-    pub fn label_without(&self, names: &[String], left_out: &[String]) -> String {
-        let parts = names.iter().zip(&self.values);
-        let parts = parts.filter(|(name, value)| !value.is_empty() && !left_out.contains(name));
+        let parts = names.iter().zip(&self.values).filter(|(_, value)| !value.is_empty());
         parts.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
     }
 }

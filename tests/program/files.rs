@@ -198,7 +198,7 @@ fn the_moment_of_the_stored_specimen_is_said() {
 
 #[test]
 fn two_runs_leave_the_same_bytes() {
-    // Compaction, bonds that break, walls that a stage takes away, frames, pictures, a dump.
+    // Compaction, bonds that break, walls that a stage takes away, frames, the page, a dump.
     let settings = [
         "--set",
         "stages.load.walls.top[1]=-14.0e-6",
@@ -222,7 +222,7 @@ fn two_runs_leave_the_same_bytes() {
     }
     let events = String::from_utf8_lossy(&a[Path::new("events.csv")]);
     assert!(events.lines().count() > 1, "no bond broke");
-    for name in ["frames/frame_000003.csv", "program_000040.json", "curves.svg", "specimen.csv"] {
+    for name in ["frames/frame_000003.csv", "program_000040.json", "report.html", "specimen.csv"] {
         assert!(a.contains_key(Path::new(name)), "no {name}");
     }
 }

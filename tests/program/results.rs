@@ -154,10 +154,10 @@ fn a_run_with_capped_increments_says_so_loudly() {
     assert_eq!(record["stages"][2]["capped"], 4);
     let message = record["outcome"]["message"].as_str().unwrap();
     assert!(message.contains("all 4 increments of stage load are capped"), "{message}");
-    let pictures = tempfile::tempdir().unwrap();
-    let [runs, to] = [out.path(), pictures.path()].map(|path| path.to_str().unwrap());
-    let compared = stdout(&clastic(&["compare", runs, "--out", to]).code(0));
-    assert!(compared.contains("completed, 6 of 9 increments capped"), "{compared}");
+    let page = out.path().join("both.html");
+    let [folder, page] = [out.path(), &page].map(|path| path.to_str().unwrap());
+    let table = stdout(&clastic(&["report", folder, folder, "--out", page]).code(0));
+    assert!(table.contains("completed, 6 of 9 increments capped"), "{table}");
 
     // With as many factorisations as some solves need, and others do not.
     let (done, out) = capped(&["friction_law.factorisations=8"]);

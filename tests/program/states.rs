@@ -144,7 +144,7 @@ fn a_run_that_has_ended_is_extended_on_the_command_line() {
     let directory = out.path().to_str().unwrap();
     let set = ["resume", directory, "--quiet", "--set", "stages.load.increments=5"];
     clastic(&set).code(0);
-    for name in ["history.csv", "events.csv", "scene.ron", "curves.svg"] {
+    for name in ["history.csv", "events.csv", "scene.ron", "final_particles.csv"] {
         assert_eq!(read(out.path(), name), read(whole.path(), name), "{name}");
     }
     let states = [&out, &whole].map(|run| fs::read(run.path().join("final_state.npz")).unwrap());

@@ -1,14 +1,12 @@
-//! The results of a sweep: one table and one figure.
+//! The results of a sweep as tables.
 
 use std::fs::{File, OpenOptions};
 use std::path::Path;
 
 use crate::output::OutputError;
-use crate::output::atomic::write_atomic;
 use crate::output::directory;
 use crate::output::marks::marks;
-use crate::output::plots::history::History;
-use crate::output::plots::{self, compare};
+use crate::scene::shown::label;
 use crate::study::{means, table};
 
 use super::Sweep;
@@ -16,14 +14,11 @@ use crate::cli::exit::{Exit, Failure, say};
 
 /// Name of the table of means.
 const MEANS: &str = "study_means.csv";
-/// Name of the figure.
-const FIGURE: &str = "study.svg";
 
-/// Lock of the table, the means and the figure.
+/// Lock of the two tables.
 const LOCK: &str = "study.lock";
 
-/// Writes the table and the figure, and prints how many runs can be trusted. Runs that failed are
-/// rows with marks, and curves with marks in the legend.
+/// Writes the tables, and prints how many runs can be trusted. Runs that failed are rows with marks.
 pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let Sweep { plan, folder, .. } = sweep;
     // Two sweeps in one folder may end at the same moment: one writes after the other.
@@ -31,9 +26,9 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let records = table::records(plan, folder);
     let path = folder.join(table::FILE);
     table::write(&path, plan, &records)?;
+    say(label(&sweep.title))?;
     say(format_args!("written: {}", path.display()))?;
     average(sweep, &records)?;
-    draw(sweep, &records)?;
     let mut marked = 0;
     let mut missing = 0;
     for (run, record) in plan.runs.iter().zip(&records) {
@@ -111,34 +106,4 @@ fn rounded(value: f64) -> String {
         return format!("{value:.3e}");
     }
     format!("{value:.0$}", digits.max(0.0) as usize)
-}
-
-fn draw(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
-    if !plots::DRAWN {
-        return Ok(());
-    }
-    let mut runs = Vec::new();
-    for (run, record) in sweep.plan.runs.iter().zip(records) {
-        let history = sweep.folder.join(&run.directory).join(directory::HISTORY);
-        if !history.exists() {
-            continue;
-        }
-        let mut name = run.label_without(&sweep.plan.names, &sweep.average_over);
-        let marks = marks(record);
-        if !marks.is_empty() {
-            name += &format!(" ({})", marks.join("; "));
-        }
-        let made = record["increments"].as_u64().unwrap_or(0);
-        runs.push((name, History::read(&history)?.after(made)));
-    }
-    let path = sweep.folder.join(FIGURE);
-    match compare::stress(&runs) {
-        Some(mut chart) => {
-            chart.title.clone_from(&sweep.title);
-            write_atomic(&path, chart.svg().map_err(OutputError::at(&path))?)?;
-            say(format_args!("drawn: {}", path.display()))
-        }
-        // The picture may come from an earlier sweep of other runs.
-        None => Ok(directory::remove_if_there(&path)?),
-    }
 }

@@ -9,7 +9,7 @@ use serde_json::{Map, Value, json};
 use crate::output::drive::Drive;
 use crate::output::history::{COLUMNS, ENERGY_COLUMNS};
 use crate::output::marks::marks;
-use crate::output::plots::history::{History, TestPoint};
+use crate::output::read_history::{History, TestPoint};
 use crate::output::{OutputError, avalanches, directory, events, names};
 
 /// Columns of texts.

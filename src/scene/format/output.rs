@@ -10,7 +10,7 @@ use super::{Scene, Stage};
 pub struct Output {
     /// Number of increments between frames; 0 writes only those of the start, the peak and the end.
     pub frames_every: u32,
-    /// Pictures: the page `report.html`, and charts (SVG) of stress, strain and probes.
+    /// Whether the page `report.html` is written at the end.
     pub plots: bool,
     /// Whether the history contains the energy ledger.
     pub energy: bool,

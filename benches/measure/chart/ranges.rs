@@ -15,17 +15,6 @@ pub(super) fn range(values: impl Iterator<Item = f64>) -> std::ops::Range<f64> {
     (if (0.0..=room).contains(&low) { 0.0 } else { low - room })..(high + room)
 }
 
-/// The ranges with the shorter one made longer at its end, so that both have one scale on an area
-/// that is `ratio` times as wide as high.
-pub(super) fn equal(
-    x: std::ops::Range<f64>,
-    y: std::ops::Range<f64>,
-    ratio: f64,
-) -> (std::ops::Range<f64>, std::ops::Range<f64>) {
-    let scale = ((x.end - x.start) / ratio).max(y.end - y.start);
-    (x.start..x.start + ratio * scale, y.start..y.start + scale)
-}
-
 /// Every n-th point, and the last one.
 pub(super) fn thin(points: &[(f64, f64)]) -> impl Iterator<Item = (f64, f64)> {
     let step = points.len().div_ceil(MAX_POINTS).max(1);

@@ -1,4 +1,4 @@
-//! `clastic compare`: the table and the pictures of several runs.
+//! `clastic report` of several runs: their table and the names in their page.
 
 use std::fs;
 use std::path::Path;
@@ -30,9 +30,9 @@ fn runs_of_one_name_are_told_apart_and_unfinished_ones_are_marked() {
     assert_ne!(text, running);
     fs::write(&record, running).unwrap();
 
-    let out = at("pictures");
+    let page = at("page.html");
     let directories = ["old/lattice", "new/lattice", "rigid"].map(at);
-    let mut arguments = vec!["compare", "--out", out.to_str().unwrap()];
+    let mut arguments = vec!["report", "--out", page.to_str().unwrap()];
     arguments.extend(directories.iter().map(|path| path.to_str().unwrap()));
     let said = clastic(&arguments);
     let lines: Vec<&str> = said.lines().collect();
@@ -45,32 +45,6 @@ fn runs_of_one_name_are_told_apart_and_unfinished_ones_are_marked() {
     let limit = record["results"]["limit_load_pa"].as_f64().unwrap() * 1e-6;
     assert!(limit > 1000.0 && lines[3].contains(&format!("{limit:.4}")), "{limit}: {said}");
     assert!(said.contains("killed"), "{said}");
-    let stress = fs::read_to_string(out.join("stress.svg")).unwrap();
-    assert!(stress.contains("new/lattice (running)") && stress.contains("old/lattice"));
-}
-
-/// Where no picture was drawn, older pictures of other runs stayed in the directory.
-#[test]
-fn a_comparison_without_curves_leaves_no_older_picture() {
-    let parent = tempfile::tempdir().unwrap();
-    let at = |name: &str| parent.path().join(name);
-    run("bounce", &at("bounce"), "output.plots=false");
-    let out = at("pictures");
-    fs::create_dir(&out).unwrap();
-    for file in ["stress.svg", "volumetric.svg"] {
-        fs::write(out.join(file), "older").unwrap();
-    }
-    let paths = [&out, &at("bounce")].map(|path| path.to_str().unwrap().to_owned());
-    let said = clastic(&["compare", "--out", &paths[0], &paths[1]]);
-    assert!(said.contains("no picture"), "{said}");
-    assert_eq!(fs::read_dir(&out).unwrap().count(), 0);
-}
-
-#[test]
-fn a_directory_without_a_run_is_named() {
-    let parent = tempfile::tempdir().unwrap();
-    let program =
-        Command::new(PROGRAM).args(["compare", parent.path().to_str().unwrap()]).assert().code(1);
-    let said = String::from_utf8_lossy(&program.get_output().stderr).into_owned();
-    assert!(said.contains("no run is here (no run.json)"), "{said}");
+    let page = fs::read_to_string(page).unwrap();
+    assert!(page.contains("new/lattice") && page.contains("old/lattice"));
 }

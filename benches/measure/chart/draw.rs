@@ -10,7 +10,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use super::Chart;
 use super::legend::{LEGEND_ROW, SAMPLE, arranged, rows};
 use super::page;
-use super::ranges::{equal, range, thin};
+use super::ranges::{range, thin};
 use super::ticks::{self, tick};
 
 /// Size on a screen, and the size of its font.
@@ -35,13 +35,11 @@ const COLORS: [RGBColor; 13] = [
     RGBColor(0, 90, 90),
     RGBColor(190, 160, 110),
 ];
-const SECONDARY: RGBColor = RGBColor(200, 40, 40);
 
 /// Space around the chart and for the axes, in sizes of the font.
 const MARGIN: f64 = 0.9;
 const LEFT: f64 = 4.9;
 const BOTTOM: f64 = 3.4;
-const SECOND: f64 = 4.6;
 /// Lengths of a chart in units of the drawing.
 #[derive(Clone, Copy)]
 struct Measures {
@@ -53,9 +51,8 @@ struct Measures {
 
 impl Measures {
     /// Width between the axes, in sizes of the font.
-    fn wide(&self, is_second: bool) -> f64 {
-        let right = if is_second { SECOND } else { MARGIN };
-        self.page.0 / self.font - 2.0 * MARGIN - LEFT - right
+    fn wide(&self) -> f64 {
+        self.page.0 / self.font - 3.0 * MARGIN - LEFT
     }
 
     /// A number of sizes of the font.
@@ -75,8 +72,11 @@ impl Measures {
 }
 
 impl Chart {
-    /// Draws the chart.
-    pub(super) fn drawn(&self) -> io::Result<String> {
+    /// The chart as SVG.
+    ///
+    /// # Errors
+    /// If the chart cannot be drawn.
+    pub fn svg(&self) -> io::Result<String> {
         let mut text = String::new();
         let measures = Measures { page: SIZE, font: FONT };
         let size = measures.size();
@@ -98,12 +98,8 @@ impl Chart {
         let mut lines: Vec<_> = self.lines.iter().zip(self.styles(line)).collect();
         let mut known = HashSet::new();
         lines.retain(|(line, _)| known.insert(&line.name));
-        let second = self.second.iter().map(|l| (l, SECONDARY.stroke_width(line / 2)));
-        let all: Vec<_> = lines
-            .into_iter()
-            .chain(second)
-            .map(|(line, style)| (line.name.as_str(), style))
-            .collect();
+        let all: Vec<_> =
+            lines.into_iter().map(|(line, style)| (line.name.as_str(), style)).collect();
         if all.len() > 1 { all } else { Vec::new() }
     }
 
@@ -133,8 +129,7 @@ impl Chart {
                 area = area.titled(&words, m.letters(size).color(&color))?;
             }
         }
-        let right = if self.second.is_some() { SECOND } else { MARGIN };
-        let wide = m.wide(self.second.is_some());
+        let wide = m.wide();
         let legend = arranged(self.legend(line), wide);
         // The legend is above the chart, because curves can reach every point inside it.
         let (strip, area) = area.split_vertically(m.em(rows(&legend) * LEGEND_ROW));
@@ -147,25 +142,20 @@ impl Chart {
             let font = m.letters(1.0).pos(place);
             strip.draw(&Text::new(entry.name, (x + px(SAMPLE + 0.5), y), font))?;
         }
-        let all = || self.lines.iter().chain(&self.second).flat_map(|line| &line.points);
-        let x = range(all().map(|p| p.0));
-        let y = range(self.lines.iter().flat_map(|line| &line.points).map(|p| p.1));
+        let all = || self.lines.iter().flat_map(|line| &line.points);
+        let (x, y) = (range(all().map(|p| p.0)), range(all().map(|p| p.1)));
         // Without the labels of the axes, as below.
         let high = f64::from(area.dim_in_pixel().1) / f64::from(m.em(1.0)) - 2.0 * MARGIN - BOTTOM;
-        let (x, y) = if self.equal { equal(x, y, wide / high) } else { (x, y) };
         let mut builder = ChartBuilder::on(&area);
         builder
             .margin(m.em(MARGIN))
             .x_label_area_size(m.em(BOTTOM))
             .y_label_area_size(m.em(LEFT))
-            .right_y_label_area_size(m.em(right));
-        let second_range = range(self.second.iter().flat_map(|line| &line.points).map(|p| p.1));
+            .right_y_label_area_size(m.em(MARGIN));
         let span = |r: &std::ops::Range<f64>| r.end - r.start;
-        let (x_span, y_span, second_span) = (span(&x), span(&y), span(&second_range));
-        let x_labels = ticks::beside(&x, wide);
-        let [y_labels, second_labels] = [&y, &second_range].map(|r| ticks::above(r, high));
-        let mut chart =
-            builder.build_cartesian_2d(x.clone(), y)?.set_secondary_coord(x.clone(), second_range);
+        let (x_span, y_span) = (span(&x), span(&y));
+        let (x_labels, y_labels) = (ticks::beside(&x, wide), ticks::above(&y, high));
+        let mut chart = builder.build_cartesian_2d(x, y)?;
         chart
             .configure_mesh()
             .light_line_style(WHITE)
@@ -184,20 +174,6 @@ impl Chart {
         for (line, style) in self.lines.iter().zip(self.styles(line)) {
             chart.draw_series(LineSeries::new(thin(&line.points), style))?;
         }
-        if let Some(second) = &self.second {
-            chart
-                .configure_secondary_axes()
-                .axis_style(BLACK.stroke_width(thin_line))
-                .set_all_tick_mark_size(m.em(0.38))
-                .y_labels(second_labels)
-                .y_desc(&second.name)
-                .axis_desc_style(m.letters(1.08))
-                .label_style(m.letters(0.93))
-                .y_label_formatter(&|v| tick(*v, second_span))
-                .draw()?;
-            let style = SECONDARY.stroke_width(line / 2);
-            chart.draw_secondary_series(LineSeries::new(thin(&second.points), style))?;
-        }
         root.present()
     }
 }
@@ -205,7 +181,7 @@ impl Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::output::plots::chart::Line;
+    use crate::chart::Line;
 
     /// Vertical positions (downwards) of the points of the curves, and of the baselines of all
     /// texts with these names.
@@ -243,16 +219,13 @@ mod tests {
         let line = |name: &str| Line { name: name.to_owned(), points: zigzag.to_vec() };
         let mut chart = Chart {
             lines: vec![line("axial stress"), line("lateral stress")],
-            second: Some(line("broken bonds")),
             ..Default::default()
         };
-        let (curves, texts) =
-            heights(&chart.svg()?, &["axial stress", "lateral stress", "broken bonds"]);
-        assert_eq!(curves.len(), 3 * zigzag.len());
+        let (curves, texts) = heights(&chart.svg()?, &["axial stress", "lateral stress"]);
+        assert_eq!(curves.len(), 2 * zigzag.len());
         let top = curves.iter().copied().fold(f64::INFINITY, f64::min);
-        // One of the texts is the label of the second axis, which is beside the chart.
         let above = texts.iter().filter(|y| **y + 4.0 * ZOOM < top).count();
-        assert_eq!((texts.len(), above), (4, 3), "{texts:?}, {top}");
+        assert_eq!((texts.len(), above), (2, 2), "{texts:?}, {top}");
 
         // Long names take as many rows as they need.
         let names: Vec<_> =
@@ -272,12 +245,7 @@ mod tests {
     fn a_chart_is_drawn_whatever_the_data() -> io::Result<()> {
         let flat = Line { name: "a & b".to_owned(), points: vec![(0.0, 3.0); 3] };
         for lines in [vec![], vec![flat.clone()], vec![flat.clone(), Line::default()]] {
-            let chart = Chart {
-                title: "<t>".to_owned(),
-                lines,
-                second: Some(flat.clone()),
-                ..Default::default()
-            };
+            let chart = Chart { title: "<t>".to_owned(), lines, ..Default::default() };
             let svg = chart.svg()?;
             assert!(svg.ends_with("</svg>\n") && !svg.contains("<t>"));
             assert_eq!(svg, chart.svg()?);
