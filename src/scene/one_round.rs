@@ -50,14 +50,12 @@ fn obstacle(bond: &Bond, rolling: RollingLimit) -> Option<&'static str> {
 }
 
 fn dynamic(stage: &Stage, of_scene: Analysis) -> Option<String> {
-    let (name, analysis) = match stage {
-        Stage::Load(load) => (&load.name, load.analysis),
-        Stage::Pour(pour) => (&pour.load.name, pour.load.analysis),
-        Stage::Custom(custom) if custom.increments > 0 => (&custom.name, custom.analysis),
-        _ => return None,
+    let has_time = match stage {
+        Stage::Custom(custom) => custom.increments > 0,
+        _ => stage.load().is_some(),
     };
-    let is_dynamic = matches!(analysis.unwrap_or(of_scene), Analysis::Dynamic { .. });
-    is_dynamic.then(|| format!("stage {} is dynamic", label(name)))
+    let is_dynamic = has_time && stage.analysis().unwrap_or(of_scene) != Analysis::Static;
+    is_dynamic.then(|| format!("stage {} is dynamic", label(stage.name())))
 }
 
 #[cfg(test)]

@@ -29,6 +29,11 @@ impl StoredSpecimen {
         Self { indices: rows.len() as u64, rows, groups: Vec::new(), state: None }
     }
 
+    /// The state, if the scene takes its walls.
+    pub(crate) fn gives_walls(&self) -> Option<&StoredState> {
+        self.state.as_ref().filter(|state| state.gives_walls)
+    }
+
     /// Whether these are the particles of a run that is resumed, which its scene has cut already.
     pub fn is_resumed(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.saved.is_none())

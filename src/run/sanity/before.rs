@@ -102,7 +102,7 @@ fn confining(load: &Load) -> Option<f64> {
 /// The smallest stress above 0 that walls and membranes of a saved state keep, Pa. A scene with walls
 /// of its own has neither.
 fn kept(stored: Option<&StoredSpecimen>) -> Option<f64> {
-    let state = stored?.state.as_ref().filter(|state| state.gives_walls)?;
+    let state = stored?.gives_walls()?;
     let world = &state.saved.as_ref()?.world;
     let walls = world.get::<ControlStates>(WALL_CONTROL).map(|list| list.0).unwrap_or_default();
     let walls = walls.into_iter().filter_map(|(_, control)| match control {

@@ -91,6 +91,15 @@ impl Stage {
         }
     }
 
+    /// The analysis that the stage gives; that of the scene holds otherwise.
+    #[must_use]
+    pub fn analysis(&self) -> Option<Analysis> {
+        match self {
+            Self::Custom(custom) => custom.analysis,
+            _ => self.load()?.analysis,
+        }
+    }
+
     /// Conditions that end the stage early.
     #[must_use]
     pub fn stop(&self) -> &[Stop] {

@@ -1,17 +1,15 @@
 //! Walls that stages add. Where the particles are by then is not known, but if all of them start
 //! behind a wall, it is drawn from its end to its start.
 
-use super::Context;
 use super::findings::Findings;
 use super::places::is_behind;
-use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
-use crate::scene::format::{Specimen, Stage};
-use crate::scene::specimen_file::StoredSpecimen;
+use crate::scene::format::Stage;
 
 /// Checks that no wall comes with the whole specimen behind it. Particles that pour in or that a
 /// plugin moves may be elsewhere by then.
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     let scene = context.scene;
     let comes = |name: &str| {
         let is_known = |stage: &&Stage| !matches!(stage, Stage::Pour(_) | Stage::Custom(_));
@@ -21,13 +19,11 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     let absent = scene.walls.iter().enumerate().filter(|(_, wall)| !wall.present);
     let added: Vec<_> =
         absent.filter_map(|(i, wall)| Some((i, wall, comes(&wall.name)?))).collect();
-    let is_read = context.specimen.is_some() || !matches!(scene.specimen, Specimen::File { .. });
-    let is_resumed = context.specimen.is_some_and(StoredSpecimen::is_resumed);
-    let sound = ["specimen", "walls", "stages"].iter().all(|part| findings.is_sound(part));
-    if added.is_empty() || !is_read || is_resumed || !sound {
+    let sound = findings.are_sound(&["specimen", "walls", "stages"]);
+    if added.is_empty() || !context.is_read() || context.is_resumed() || !sound {
         return;
     }
-    let seeds = specimen(scene, context.specimen);
+    let seeds = context.at_start();
     for (i, wall, stage) in added {
         let place = |seed: &ParticleSeed| (seed.position.x, seed.position.y);
         let behind = |seed: &ParticleSeed| is_behind(wall, place(seed), seed.radius);

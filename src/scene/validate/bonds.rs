@@ -6,21 +6,20 @@ use std::fmt::Arguments;
 use crate::scene::format::Specimen;
 use crate::scene::spans::join;
 
-use super::Context;
 use super::findings::Findings;
 use super::references::index_exists;
 
 /// Checks the bonds that the scene lists.
-pub(super) fn check(context: &Context, findings: &mut Findings) {
-    let scene = context.scene;
-    if !findings.is_sure_of("specimen") || !findings.is_sure_of("bonds") {
+pub(super) fn check(findings: &mut Findings) {
+    let scene = findings.context.scene;
+    if !findings.are_sure_of(&["specimen", "bonds"]) {
         return;
     }
     let mut seen = BTreeMap::new();
     for (i, bond) in scene.bonds.iter().enumerate() {
         let mut exist = true;
         for (end, index) in [("a", bond.a), ("b", bond.b)] {
-            exist &= index_exists(context, format_args!("bonds[{i}].{end}"), index, findings);
+            exist &= index_exists(format_args!("bonds[{i}].{end}"), index, findings);
         }
         let path = format_args!("bonds[{i}]");
         if bond.a == bond.b {
@@ -30,12 +29,13 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             let message = format!("a second bond of particles {} and {}", bond.a, bond.b);
             findings.add(path, message, &format!("the first is bonds[{first}]"));
         } else if exist {
-            bond_law(context, path, (bond.a, bond.b), findings);
+            bond_law(path, (bond.a, bond.b), findings);
         }
     }
 }
 
-fn bond_law(context: &Context, path: Arguments, (a, b): (u32, u32), findings: &mut Findings) {
+fn bond_law(path: Arguments, (a, b): (u32, u32), findings: &mut Findings) {
+    let context = findings.context;
     let only = (context.materials.len() == 1).then(|| context.materials[0]);
     let of = |index: u32| {
         let index = index as usize;

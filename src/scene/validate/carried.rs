@@ -19,12 +19,11 @@ pub(super) struct Carried {
 
 /// The stresses of a saved state from which the scene starts with its walls.
 pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Carried> {
-    let state = specimen.and_then(|stored| stored.state.as_ref());
-    let saved = state.filter(|state| state.gives_walls).and_then(|state| state.saved.as_ref());
-    let Some(world) = saved.map(|saved| &saved.world) else { return Vec::new() };
+    let state = specimen.and_then(StoredSpecimen::gives_walls);
+    let Some(saved) = state.and_then(|state| state.saved.as_ref()) else { return Vec::new() };
     let (Ok(controls), Ok(names)) = (
-        world.get::<ControlStates>(WALL_CONTROL),
-        world.components::<BodyId, WallName>("wall_name"),
+        saved.world.get::<ControlStates>(WALL_CONTROL),
+        saved.world.components::<BodyId, WallName>("wall_name"),
     ) else {
         return Vec::new();
     };
@@ -56,8 +55,7 @@ pub(super) fn check(
         let needs = |carried: &&Carried| carried.between.0 == *gone || carried.between.1 == *gone;
         let keeps: Vec<_> = carried.iter().filter(needs).collect();
         if let [Carried { wall, between: (a, b) }, ..] = keeps[..]
-            && findings.is_sure_of("stages")
-            && findings.is_sure_of("walls")
+            && findings.are_sure_of(&["stages", "walls"])
         {
             let message = format!(
                 "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`"

@@ -6,7 +6,6 @@ use clastic_systems::detect_contacts::periodic::pairs_within;
 use glam::DVec2;
 
 use crate::run::cell::at_start;
-use crate::run::minerals::specimen;
 use crate::scene::format::{Analysis, Cell, CellTarget, Compact, CompactRest, CompactTarget, Load};
 use crate::scene::format::{Scene, Sizes, Specimen, Stage};
 use crate::scene::spans::join;
@@ -18,7 +17,8 @@ use super::findings::Findings;
 /// before there could be another between the same particles.
 const MIN_SIZE: f64 = 4.0;
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     let scene = context.scene;
     let Some(cell) = &scene.cell else { return without(scene, findings) };
     let fine = findings.positive(format_args!("cell.size[0]"), cell.size.0, "a width in m")
@@ -36,12 +36,12 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         }
     }
     if fine {
-        images(context, cell, findings);
+        images(cell, findings);
     }
     let help = "leave it out: a periodic cell has no";
-    let of_state = context.specimen.and_then(|stored| stored.state.as_ref());
+    let of_state = context.state();
     if let Some(i) = scene.walls.iter().position(|wall| wall.present)
-        && !of_state.is_some_and(|state| state.gives_walls)
+        && !context.takes_walls()
     {
         let help = "leave it out, or write `present: false` and add it once a `Remove` stage has ended the \
                     cell (`open_cell: true`)";
@@ -95,7 +95,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
 
 /// Checks that particles do not overlap across the sides of the cell by more than half a radius, as they
 /// do where it is smaller than the grid on which they are drawn.
-fn images(context: &Context, cell: &Cell, findings: &mut Findings) {
+fn images(cell: &Cell, findings: &mut Findings) {
+    let context = findings.context;
     let scene = context.scene;
     let is_known = match scene.specimen {
         Specimen::State { .. } => false,
@@ -105,7 +106,7 @@ fn images(context: &Context, cell: &Cell, findings: &mut Findings) {
     if !is_known || !findings.is_sound("specimen") || !findings.is_sound("cell") {
         return;
     }
-    let seeds = specimen(scene, context.specimen);
+    let seeds = context.at_start();
     let (places, radii): (Vec<_>, Vec<_>) = seeds.iter().map(|s| (s.position, s.radius)).unzip();
     let periodic = at_start(cell);
     let overlap = |(a, b): (u32, u32)| {

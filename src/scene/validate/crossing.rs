@@ -1,32 +1,32 @@
 //! Walls that pass through each other. A displacement applies to every increment. If it is mistaken
 //! for that of the stage, the walls meet.
 
+use super::ASKEW;
 use super::findings::Findings;
 use super::places::length;
-use super::{ASKEW, Context};
 use crate::scene::format::{Load, Wall, WallControl};
 use crate::scene::spans::join;
 
 /// Checks the imposed motions of walls: two parallel walls that face each other must not meet in a
 /// stage without stop conditions. Motions in earlier stages are included. If a wall is absent, or
 /// follows a load, a velocity or another system, the distance of its pairs is unknown from then on.
-pub(super) fn check(context: &Context, findings: &mut Findings) {
-    if !["walls", "stages"].iter().all(|part| findings.is_sure_of(part)) {
+pub(super) fn check(findings: &mut Findings) {
+    if !findings.are_sure_of(&["walls", "stages"]) {
         return;
     }
-    let walls = &context.scene.walls;
+    let walls = &findings.context.scene.walls;
     for (i, a) in walls.iter().enumerate() {
         for b in &walls[i + 1..] {
             if let Some(distance) = facing(a, b).filter(|_| a.present && b.present) {
-                pair(context, (a, b), distance, findings);
+                pair((a, b), distance, findings);
             }
         }
     }
 }
 
-fn pair(context: &Context, (a, b): (&Wall, &Wall), drawn: f64, findings: &mut Findings) {
+fn pair((a, b): (&Wall, &Wall), drawn: f64, findings: &mut Findings) {
     let mut distance = drawn;
-    for (i, stage) in context.scene.stages.iter().enumerate() {
+    for (i, stage) in findings.context.scene.stages.iter().enumerate() {
         let Some(stage) = stage.load() else { continue };
         let (Some(of_a), Some(of_b)) = (closing(stage, a), closing(stage, b)) else { return };
         let closing = of_a + of_b;

@@ -26,9 +26,10 @@ pub(super) fn is_manageable(scene: &Scene, stored: Option<&StoredSpecimen>) -> b
     changes && is_recipe && memory::particles(&scene.specimen, stored) <= MAX_PARTICLES
 }
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     let scene = context.scene;
-    if context.specimen.is_some_and(StoredSpecimen::is_resumed) {
+    if context.is_resumed() {
         return;
     }
     for (i, mineral) in scene.minerals.iter().enumerate() {
@@ -36,7 +37,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let names = &context.materials;
         let kind = ("material", "materials");
         findings.reference(format_args!("{path}.material"), &mineral.material, kind, names);
-        of_specimen(context, format!("{path}.select"), &mineral.select, findings);
+        of_specimen(format!("{path}.select"), &mineral.select, findings);
         if let Some(clusters) = &mineral.clusters {
             let path = format_args!("{path}.clusters");
             let allowed = |share| share > 0.0 && share <= 1.0;
@@ -46,7 +47,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         }
     }
     if let Some(keep) = &scene.keep {
-        of_specimen(context, "keep".to_owned(), keep, findings);
+        of_specimen("keep".to_owned(), keep, findings);
     }
     let field = if scene.keep.is_some() { "keep" } else { "minerals" };
     let changes = scene.keep.is_some() || !scene.minerals.is_empty();
@@ -57,7 +58,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     let parts = ["specimen", "materials", "minerals", "keep"];
     let Some(seeds) = &context.seeds else { return };
-    if !parts.iter().all(|part| findings.is_sound(part)) {
+    if !findings.are_sound(&parts) {
         return;
     }
     if seeds.is_empty() && memory::particles(&scene.specimen, context.specimen) > 0 {
@@ -90,7 +91,8 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
 }
 
 /// Checks a selection from the specimen, in which the groups of the scene are not known.
-fn of_specimen(context: &Context, path: String, of: &Select, findings: &mut Findings) {
+fn of_specimen(path: String, of: &Select, findings: &mut Findings) {
+    let context = findings.context;
     let groups: BTreeSet<&str> = match &context.scene.specimen {
         Specimen::Particles(list) => list.iter().filter_map(|p| p.group.as_deref()).collect(),
         Specimen::Lattice { .. } => BTreeSet::from([BOUNDARY]),
@@ -108,7 +110,9 @@ fn of_specimen(context: &Context, path: String, of: &Select, findings: &mut Find
         findings.add(format_args!("{path}"), "no contact carries force yet", help);
     }
     let whole = Context::uncut(context.scene, context.specimen);
-    select::select(&whole, format_args!("{path}"), of, findings);
+    let mut of_whole = findings.of(&whole);
+    select::select(format_args!("{path}"), of, &mut of_whole);
+    findings.extend(of_whole);
 }
 
 /// Groups that a selection names.

@@ -3,14 +3,23 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Arguments;
 
-use clastic_components::domain::Domain;
+use clastic_components::domain::{Domain, PLACE};
 
 use crate::scene::diagnostic::{Finding, within};
+use crate::scene::format::Analysis;
 use crate::scene::limits::{MAX_NUMBER, MIN_NUMBER};
 use crate::scene::suggest;
 
-/// Collects findings. Paths are formatted only for findings, since most checks find nothing.
+use super::Context;
+
+/// Collects findings of a scene. Paths are formatted only for findings, since most checks find nothing.
 pub(super) struct Findings<'a> {
+    pub(super) context: &'a Context<'a>,
+    /// Which walls are there in the stage that is checked.
+    pub(super) present: Vec<bool>,
+    /// The index of that stage, and its analysis.
+    pub(super) stage: usize,
+    pub(super) analysis: Analysis,
     list: Vec<Finding>,
     /// Paths and messages of the list.
     known: BTreeSet<(String, String)>,
@@ -18,8 +27,40 @@ pub(super) struct Findings<'a> {
 }
 
 impl<'a> Findings<'a> {
-    pub(super) fn new(made_up: &'a [String]) -> Self {
-        Self { list: Vec::new(), known: BTreeSet::new(), made_up }
+    pub(super) fn new(context: &'a Context<'a>, made_up: &'a [String]) -> Self {
+        let scene = context.scene;
+        Self {
+            context,
+            present: scene.walls.iter().map(|wall| wall.present).collect(),
+            stage: 0,
+            analysis: scene.analysis,
+            list: Vec::new(),
+            known: BTreeSet::new(),
+            made_up,
+        }
+    }
+
+    /// Whether the stage that is checked has no time.
+    pub(super) fn is_timeless(&self) -> bool {
+        self.analysis == Analysis::Static
+    }
+
+    /// Whether a wall is there in that stage; `None` if the scene has no such wall.
+    pub(super) fn is_there(&self, wall: &str) -> Option<bool> {
+        let index = self.context.walls.iter().position(|name| *name == wall)?;
+        self.present.get(index).copied()
+    }
+
+    /// Findings about the scene with another specimen.
+    pub(super) fn of<'b>(&self, context: &'b Context<'b>) -> Findings<'b>
+    where
+        'a: 'b,
+    {
+        Findings::new(context, self.made_up)
+    }
+
+    pub(super) fn extend(&mut self, others: Findings) {
+        others.list.into_iter().for_each(|finding| self.push(finding));
     }
 
     pub(super) fn into_list(self) -> Vec<Finding> {
@@ -37,6 +78,11 @@ impl<'a> Findings<'a> {
         !self.made_up.iter().any(|made_up| within(made_up, path))
     }
 
+    /// Whether none of some parts of the scene contains a made-up value.
+    pub(super) fn are_sure_of(&self, parts: &[&str]) -> bool {
+        parts.iter().all(|part| self.is_sure_of(part))
+    }
+
     /// Like [`is_sure_of`](Self::is_sure_of), for a path that is formatted only if necessary.
     pub(super) fn is_sure_of_part(&self, path: Arguments) -> bool {
         self.made_up.is_empty() || self.is_sure_of(&path.to_string())
@@ -45,6 +91,11 @@ impl<'a> Findings<'a> {
     /// Whether a part of the scene contains no made-up value and has no mistake so far.
     pub(super) fn is_sound(&self, path: &str) -> bool {
         self.is_sure_of(path) && !self.list.iter().any(|finding| within(&finding.path, path))
+    }
+
+    /// Whether some parts of the scene contain no made-up value and have no mistake so far.
+    pub(super) fn are_sound(&self, parts: &[&str]) -> bool {
+        parts.iter().all(|part| self.is_sound(part))
     }
 
     pub(super) fn add(&mut self, path: Arguments, message: impl Into<String>, help: &str) {
@@ -121,6 +172,18 @@ impl<'a> Findings<'a> {
             self.add(path, message, "give (minimum, maximum)");
         }
         fine && min <= max
+    }
+
+    /// Checks two corners of a rectangle that has an area.
+    pub(super) fn rectangle(&mut self, path: Arguments, min: (f64, f64), max: (f64, f64)) -> bool {
+        let fine = self.vector(format_args!("{path}.min"), min, PLACE.what)
+            & self.vector(format_args!("{path}.max"), max, PLACE.what);
+        let has_area = min.0 < max.0 && min.1 < max.1;
+        if fine && !has_area {
+            let message = format!("not above and to the right of min ({max:?})");
+            self.add(format_args!("{path}.max"), message, "give a rectangle with an area");
+        }
+        fine && has_area
     }
 
     /// Checks an integer of at least 1.

@@ -7,12 +7,11 @@ use clastic_components::domain;
 use crate::scene::format::{Bond, Contact, Scatter, Spread};
 use crate::scene::spans::join;
 
-use super::Context;
 use super::findings::Findings;
 use super::restitution;
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
-    for (name, material) in &context.scene.materials {
+pub(super) fn check(findings: &mut Findings) {
+    for (name, material) in &findings.context.scene.materials {
         let path = join("materials", name);
         let path = path.as_str();
         if name.trim().is_empty() {

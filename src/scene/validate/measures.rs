@@ -2,19 +2,17 @@
 
 use std::fmt::Arguments;
 
-use clastic_components::domain;
-
 use crate::scene::format::{
     Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
 
+use super::ASKEW;
 use super::crossing::inward;
 use super::findings::Findings;
 use super::places::length;
 use super::references::index_exists;
 use super::select::select;
 use super::thin_walls::one_piece;
-use super::{ASKEW, Context};
 use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
 
 /// Whether a column of the history has this name already.
@@ -22,7 +20,8 @@ fn is_taken(name: &str) -> bool {
     COLUMNS.contains(&name) || ENERGY_COLUMNS.contains(&name)
 }
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     if let Some(stage) = &context.scene.reference_stage {
         let path = format_args!("reference_stage");
         findings.reference(path, stage, ("stage", "stages"), &context.stages);
@@ -58,24 +57,24 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
             findings.add(path, message, "give another name");
         }
         match of {
-            Quantity::Strain(of) => strain(context, path, of, findings),
-            Quantity::Stress(of) => stress(context, path, of, findings),
-            Quantity::Porosity(of) => area(context, path, of, findings),
+            Quantity::Strain(of) => strain(path, of, findings),
+            Quantity::Stress(of) => stress(path, of, findings),
+            Quantity::Porosity(of) => area(path, of, findings),
             Quantity::WallForce { wall: name, .. } => {
-                wall(context, format_args!("{path}.wall"), name, findings);
+                wall(format_args!("{path}.wall"), name, findings);
             }
-            Quantity::VolumetricStrain => needs_strains(context, path, findings),
+            Quantity::VolumetricStrain => needs_strains(path, findings),
             Quantity::DilationAngle { over } => {
                 let allowed = |over| (0.0..1.0).contains(&over);
                 let what = "an axial strain as a fraction, 0.002 is 0.2 %";
                 findings.number(format_args!("{path}.over"), *over, allowed, what);
-                needs_strains(context, path, findings);
+                needs_strains(path, findings);
             }
             Quantity::GroupForce { select: of, .. } => {
-                select(context, format_args!("{path}.select"), of, findings);
+                select(format_args!("{path}.select"), of, findings);
             }
             Quantity::Membrane { membrane: name, .. } => {
-                membrane(context, format_args!("{path}.membrane"), name, findings);
+                membrane(format_args!("{path}.membrane"), name, findings);
             }
             Quantity::Poured(Amount::Share) => {
                 let help = "write `Number` or `Mass`";
@@ -143,37 +142,34 @@ fn no_normal_strain(of: &Quantity) -> Option<(&'static str, &'static str)> {
     }
 }
 
-fn strain(context: &Context, path: Arguments, strain: &Strain, findings: &mut Findings) {
+fn strain(path: Arguments, strain: &Strain, findings: &mut Findings) {
     match strain {
         Strain::Walls(a, b) => {
-            two_walls(context, path, (a, b), findings);
-            towards_each_other(context, path, (a, b), findings);
+            two_walls(path, (a, b), findings);
+            towards_each_other(path, (a, b), findings);
         }
         Strain::Particles(a, b) => {
-            index_exists(context, format_args!("{path}[0]"), *a, findings);
-            index_exists(context, format_args!("{path}[1]"), *b, findings);
+            index_exists(format_args!("{path}[0]"), *a, findings);
+            index_exists(format_args!("{path}[1]"), *b, findings);
             findings.pair(path, (a, b), "particle");
         }
-        Strain::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
-        Strain::Region { min, max, .. } => rectangle(path, *min, *max, findings),
-        Strain::Cell(_) => has_cell(context, path, findings),
+        Strain::Membrane(name) => membrane(format_args!("{path}[0]"), name, findings),
+        Strain::Region { min, max, .. } => {
+            findings.rectangle(path, *min, *max);
+        }
+        Strain::Cell(_) => has_cell(path, findings),
     }
 }
 
 /// Checks that a strain is not that between two walls of which one is drawn from its end to its start:
 /// a wall that comes at the outermost particles would come from the other side.
-fn towards_each_other(
-    context: &Context,
-    path: Arguments,
-    (a, b): (&str, &str),
-    findings: &mut Findings,
-) {
+fn towards_each_other(path: Arguments, (a, b): (&str, &str), findings: &mut Findings) {
     let find = |name: &str| {
-        let wall = context.scene.walls.iter().find(|wall| wall.name == name);
+        let wall = findings.context.wall(name);
         wall.filter(|wall| wall.shape.is_straight() && length(wall) > 0.0)
     };
     let (Some(first), Some(second)) = (find(a), find(b)) else { return };
-    if a == b || !["walls", "specimen"].iter().all(|part| findings.is_sound(part)) {
+    if a == b || !findings.are_sound(&["walls", "specimen"]) {
         return;
     }
     let (n, m) = (inward(first), inward(second));
@@ -189,90 +185,83 @@ fn towards_each_other(
 }
 
 /// For measures that follow from axial and lateral strain.
-fn needs_strains(context: &Context, path: Arguments, findings: &mut Findings) {
-    needs(context, path, &ROLES[..2], findings);
+fn needs_strains(path: Arguments, findings: &mut Findings) {
+    needs(path, &ROLES[..2], findings);
 }
 
 /// For measures that follow from those of [`ROLES`].
-fn needs(context: &Context, path: Arguments, names: &[&str], findings: &mut Findings) {
+fn needs(path: Arguments, names: &[&str], findings: &mut Findings) {
     for name in names {
-        if context.scene.measure(name).is_none() && findings.is_sure_of("measures") {
+        if findings.context.scene.measure(name).is_none() && findings.is_sure_of("measures") {
             let help = format!("add a measure `{name}`");
             findings.add(path, format!("it follows from `{name}`, which is not measured"), &help);
         }
     }
 }
 
-fn rectangle(path: Arguments, min: (f64, f64), max: (f64, f64), findings: &mut Findings) {
-    let fine = findings.vector(format_args!("{path}.min"), min, domain::PLACE.what)
-        & findings.vector(format_args!("{path}.max"), max, domain::PLACE.what);
-    if fine && (min.0 >= max.0 || min.1 >= max.1) {
-        let message = format!("not above and to the right of min ({max:?})");
-        findings.add(format_args!("{path}.max"), message, "give a rectangle with an area");
-    }
-}
-
-fn stress(context: &Context, path: Arguments, stress: &Stress, findings: &mut Findings) {
+fn stress(path: Arguments, stress: &Stress, findings: &mut Findings) {
     match stress {
         Stress::Walls { walls, length } => {
             if walls.is_empty() {
                 findings.add(format_args!("{path}.walls"), "no walls", "name one or more");
             }
             for (i, name) in walls.iter().enumerate() {
-                wall(context, format_args!("{path}.walls[{i}]"), name, findings);
+                wall(format_args!("{path}.walls[{i}]"), name, findings);
             }
             let path = format_args!("{path}.length");
             match length {
                 Length::Fixed(length) => {
                     findings.positive(format_args!("{path}[0]"), *length, "a length in m");
                 }
-                Length::Between(a, b) => two_walls(context, path, (a, b), findings),
+                Length::Between(a, b) => two_walls(path, (a, b), findings),
                 Length::Membrane(name) => {
-                    membrane(context, format_args!("{path}[0]"), name, findings);
+                    membrane(format_args!("{path}[0]"), name, findings);
                 }
             }
         }
         Stress::Average { area: over, .. } => {
-            area(context, format_args!("{path}.area"), over, findings);
+            area(format_args!("{path}.area"), over, findings);
         }
-        Stress::Region { min, max, .. } => rectangle(path, *min, *max, findings),
-        Stress::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
+        Stress::Region { min, max, .. } => {
+            findings.rectangle(path, *min, *max);
+        }
+        Stress::Membrane(name) => membrane(format_args!("{path}[0]"), name, findings),
     }
 }
 
-fn area(context: &Context, path: Arguments, area: &Area, findings: &mut Findings) {
+fn area(path: Arguments, area: &Area, findings: &mut Findings) {
     match area {
         Area::Fixed(area) => {
             findings.positive(format_args!("{path}[0]"), *area, "an area in m^2");
         }
-        Area::Cell => has_cell(context, path, findings),
+        Area::Cell => has_cell(path, findings),
         Area::Box(a, b) => {
-            two_walls(context, format_args!("{path}[0]"), (&a.0, &a.1), findings);
-            two_walls(context, format_args!("{path}[1]"), (&b.0, &b.1), findings);
+            two_walls(format_args!("{path}[0]"), (&a.0, &a.1), findings);
+            two_walls(format_args!("{path}[1]"), (&b.0, &b.1), findings);
         }
-        Area::Membrane(name) => membrane(context, format_args!("{path}[0]"), name, findings),
+        Area::Membrane(name) => membrane(format_args!("{path}[0]"), name, findings),
     }
 }
 
-fn has_cell(context: &Context, path: Arguments, findings: &mut Findings) {
-    if context.scene.cell.is_none() && findings.is_sure_of("cell") {
+fn has_cell(path: Arguments, findings: &mut Findings) {
+    if findings.context.scene.cell.is_none() && findings.is_sure_of("cell") {
         let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
         findings.add(path, "no periodic cell", help);
     }
 }
 
-fn two_walls(context: &Context, path: Arguments, (a, b): (&str, &str), findings: &mut Findings) {
-    wall(context, format_args!("{path}[0]"), a, findings);
-    wall(context, format_args!("{path}[1]"), b, findings);
+fn two_walls(path: Arguments, (a, b): (&str, &str), findings: &mut Findings) {
+    wall(format_args!("{path}[0]"), a, findings);
+    wall(format_args!("{path}[1]"), b, findings);
     findings.pair(path, (a, b), "wall");
 }
 
-fn wall(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {
-    findings.reference(path, name, ("wall", "walls"), &context.walls);
+fn wall(path: Arguments, name: &str, findings: &mut Findings) {
+    findings.reference(path, name, ("wall", "walls"), &findings.context.walls);
     let help = "name a wall of one piece; `probe` records the force on a polyline";
-    one_piece(context, path, name, ("place and normal", help), findings);
+    one_piece(path, name, ("place and normal", help), findings);
 }
 
-fn membrane(context: &Context, path: Arguments, name: &str, findings: &mut Findings) {
-    findings.reference(path, name, ("membrane", "stages"), &context.membranes);
+fn membrane(path: Arguments, name: &str, findings: &mut Findings) {
+    findings.reference(path, name, ("membrane", "stages"), &findings.context.membranes);
 }

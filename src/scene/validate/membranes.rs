@@ -4,33 +4,32 @@ use std::fmt::Arguments;
 
 use clastic_components::domain;
 
-use crate::scene::StoredSpecimen;
 use crate::scene::format::{Load, MembraneControl, Scene, Stage};
 use crate::scene::spans::join;
+use crate::scene::stored::{StoredMembrane, StoredSpecimen};
 use crate::scene::suggest;
 
-use super::Context;
 use super::findings::Findings;
-use super::parts::wall_there;
-use super::walls::face;
+use super::parts::{face, straight, wall_there};
 
 /// A present membrane, with the walls between which it lies.
 pub(super) type Skin = (String, Option<(String, String)>);
 
 /// The membranes of a saved state from which the scene starts with its walls.
 pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Skin> {
-    let state = specimen.and_then(|stored| stored.state.as_ref());
-    let taken = state.filter(|state| state.gives_walls).into_iter().flat_map(|s| &s.membranes);
-    taken.map(|membrane| (membrane.name.clone(), membrane.between.clone())).collect()
+    taken(specimen).map(|membrane| (membrane.name.clone(), membrane.between.clone())).collect()
+}
+
+fn taken(specimen: Option<&StoredSpecimen>) -> impl Iterator<Item = &StoredMembrane> {
+    specimen.and_then(StoredSpecimen::gives_walls).into_iter().flat_map(|state| &state.membranes)
 }
 
 /// Names of the membranes that the stages of a scene make, and of those that it takes over.
 pub(super) fn names<'a>(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) -> Vec<&'a str> {
     let loads = scene.stages.iter().filter_map(Stage::load);
-    let state = specimen.and_then(|stored| stored.state.as_ref());
-    let taken = state.filter(|state| state.gives_walls).into_iter().flat_map(|s| &s.membranes);
     let made = loads.flat_map(|load| load.membranes.keys()).map(String::as_str);
-    let mut names: Vec<&str> = made.chain(taken.map(|membrane| &*membrane.name)).collect();
+    let mut names: Vec<&str> =
+        made.chain(taken(specimen).map(|membrane| &*membrane.name)).collect();
     names.sort_unstable();
     names.dedup();
     names
@@ -50,14 +49,7 @@ pub(super) fn none(path: Arguments, what: &str, there: &[Skin], findings: &mut F
 }
 
 /// Checks the membranes of a stage; `there` are those that exist, and afterwards those that remain.
-pub(super) fn check(
-    context: &Context,
-    path: Arguments,
-    stage: &Load,
-    present: &[bool],
-    there: &mut Vec<Skin>,
-    findings: &mut Findings,
-) {
+pub(super) fn check(path: Arguments, stage: &Load, there: &mut Vec<Skin>, findings: &mut Findings) {
     for (i, name) in stage.remove_membranes.iter().enumerate() {
         if !there.iter().any(|(other, _)| other == name) && findings.is_sure_of("stages") {
             let known: Vec<&str> = there.iter().map(|(name, _)| name.as_str()).collect();
@@ -69,13 +61,9 @@ pub(super) fn check(
     }
     for (name, walls) in there.iter() {
         let Some((a, b)) = walls else { continue };
-        let gone = |wall: &String| {
-            let index = context.walls.iter().position(|other| other == wall);
-            index.is_some_and(|index| present.get(index) == Some(&false))
-        };
-        if let Some(wall) = [a, b].into_iter().find(|wall| gone(wall))
-            && findings.is_sure_of("stages")
-            && findings.is_sure_of("walls")
+        let gone = |wall: &&String| findings.is_there(wall) == Some(false);
+        if let Some(wall) = [a, b].into_iter().find(gone)
+            && findings.are_sure_of(&["stages", "walls"])
         {
             let i = stage.remove_walls.iter().position(|other| other == wall).unwrap_or(0);
             let message = format!("membrane `{name}` ends at wall `{wall}`");
@@ -92,7 +80,7 @@ pub(super) fn check(
         if exists {
             is_there_already(own, name, control, findings);
         } else {
-            made(context, own, control, present, findings);
+            made(own, control, findings);
             there.push((name.clone(), control.between.clone()));
         }
     }
@@ -118,13 +106,7 @@ fn is_there_already(
     }
 }
 
-fn made(
-    context: &Context,
-    path: Arguments,
-    control: &MembraneControl,
-    present: &[bool],
-    findings: &mut Findings,
-) {
+fn made(path: Arguments, control: &MembraneControl, findings: &mut Findings) {
     if let Some(ball) = control.ball {
         findings.within(format_args!("{path}.ball"), ball, domain::RADIUS);
     }
@@ -137,20 +119,12 @@ fn made(
     };
     let walls = [(0, a), (1, b)].map(|(i, name)| {
         let path = format_args!("{path}.between[{i}]");
-        let wall = wall_there(context, path, name, present, findings);
-        if let Some(wall) = wall.filter(|wall| !wall.shape.is_straight()) {
-            let message = format!("wall `{}` is not straight", wall.name);
-            findings.add(path, message, "name two straight walls");
-        }
+        let wall = wall_there(path, name, findings);
+        straight(path, wall, "name two straight walls", findings);
         wall
     });
     findings.pair(format_args!("{path}.between"), (a, b), "wall");
-    if let [Some(first), Some(second)] = walls
-        && a != b
-        && !face(first, second)
-    {
-        let message = format!("wall `{b}` does not face wall `{a}`");
-        let help = "the two walls must be parallel, with their insides towards each other";
-        findings.add(format_args!("{path}.between[1]"), message, help);
+    if a != b {
+        face(format_args!("{path}.between[1]"), walls, findings);
     }
 }

@@ -33,9 +33,9 @@ mod wall_controls;
 mod walls;
 
 use super::diagnostic::Finding;
-use super::format::{Scene, Specimen, Stage};
+use super::format::{Scene, Specimen, Stage, Wall};
 use super::memory;
-use super::specimen_file::StoredSpecimen;
+use super::stored::{StoredSpecimen, StoredState};
 use crate::run::minerals::specimen as cut_specimen;
 use crate::run::particles::ParticleSeed;
 use findings::Findings;
@@ -54,21 +54,21 @@ pub(super) fn findings(
     made_up: &[String],
 ) -> Vec<Finding> {
     let context = Context::new(scene, specimen);
-    let mut findings = Findings::new(made_up);
-    settings::check(&context, &mut findings);
-    materials::check(&context, &mut findings);
-    walls::check(&context, &mut findings);
-    cell::check(&context, &mut findings);
-    specimen::check(&context, &mut findings);
-    cuts::check(&context, &mut findings);
-    thin_walls::check(&context, &mut findings);
-    select::groups(&context, &mut findings);
-    stages::check(&context, &mut findings);
-    restitution::check(&context, &mut findings);
-    crossing::check(&context, &mut findings);
-    added_walls::check(&context, &mut findings);
-    selections::check(&context, &mut findings);
-    measures::check(&context, &mut findings);
+    let mut findings = Findings::new(&context, made_up);
+    settings::check(&mut findings);
+    materials::check(&mut findings);
+    walls::check(&mut findings);
+    cell::check(&mut findings);
+    specimen::check(&mut findings);
+    cuts::check(&mut findings);
+    thin_walls::check(&mut findings);
+    select::groups(&mut findings);
+    stages::check(&mut findings);
+    restitution::check(&mut findings);
+    crossing::check(&mut findings);
+    added_walls::check(&mut findings);
+    selections::check(&mut findings);
+    measures::check(&mut findings);
     findings.into_list()
 }
 
@@ -122,10 +122,38 @@ impl<'a> Context<'a> {
         }
     }
 
+    fn wall(&self, name: &str) -> Option<&'a Wall> {
+        self.scene.walls.iter().find(|wall| wall.name == name)
+    }
+
+    /// The saved state from which the scene starts, whose walls or cell it may take.
+    fn state(&self) -> Option<&'a StoredState> {
+        self.specimen?.state.as_ref()
+    }
+
+    /// Whether the walls of the scene are those of that state.
+    fn takes_walls(&self) -> bool {
+        self.specimen.and_then(StoredSpecimen::gives_walls).is_some()
+    }
+
+    /// Whether the specimen is that of a run that is resumed.
+    fn is_resumed(&self) -> bool {
+        self.specimen.is_some_and(StoredSpecimen::is_resumed)
+    }
+
+    /// Whether the specimen is known: one in a file has been read.
+    fn is_read(&self) -> bool {
+        self.specimen.is_some() || !matches!(self.scene.specimen, Specimen::File { .. })
+    }
+
+    /// The particles at the start.
+    fn at_start(&self) -> Vec<ParticleSeed> {
+        cut_specimen(self.scene, self.specimen)
+    }
+
     /// Whether the scene starts from a saved state that was read. A run that is resumed does not
     /// read it again, and its particles are elsewhere.
     fn starts_here(&self) -> bool {
-        let state = self.specimen.and_then(|stored| stored.state.as_ref());
-        state.is_some_and(|state| state.saved.is_some())
+        self.state().is_some_and(|state| state.saved.is_some())
     }
 }

@@ -4,7 +4,6 @@ use std::fmt::Arguments;
 
 use crate::scene::format::Wall;
 
-use super::Context;
 use super::findings::Findings;
 use super::places::{finest, is_behind};
 
@@ -13,7 +12,6 @@ pub(super) const COARSEST: f64 = 1e-4;
 
 /// Checks the corners of a specimen that a recipe makes.
 pub(super) fn outline(
-    context: &Context,
     low: (f64, f64),
     high: (f64, f64),
     (bottom, top): (f64, f64),
@@ -21,8 +19,8 @@ pub(super) fn outline(
     findings: &mut Findings,
 ) {
     // Particles that are cut away may lie behind a wall; `cuts` checks the others.
-    let is_cut = context.scene.keep.is_some();
-    if is_cut || !findings.is_sure_of("specimen") || !findings.is_sure_of("walls") {
+    let is_cut = findings.context.scene.keep.is_some();
+    if is_cut || !findings.are_sure_of(&["specimen", "walls"]) {
         return;
     }
     let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
@@ -32,7 +30,7 @@ pub(super) fn outline(
     }
     let outside =
         |wall: &Wall| wall.present && corners.iter().any(|corner| is_behind(wall, *corner, radius));
-    if let Some(wall) = context.scene.walls.iter().find(|wall| outside(wall)) {
+    if let Some(wall) = findings.context.scene.walls.iter().find(|wall| outside(wall)) {
         let message = format!("the specimen reaches behind wall `{}`", wall.name);
         let help = "move its origin or the wall; a wall has its inside on the left of start to end";
         findings.add(format_args!("specimen"), message, help);
@@ -59,17 +57,16 @@ pub(super) fn not_too_far(
 
 /// Checks that a disk is not behind a wall.
 pub(super) fn not_behind(
-    context: &Context,
     path: Arguments,
     what: &str,
     place: (f64, f64),
     radius: f64,
     findings: &mut Findings,
 ) {
-    if !findings.is_sure_of("walls") || context.scene.keep.is_some() {
+    if !findings.is_sure_of("walls") || findings.context.scene.keep.is_some() {
         return;
     }
-    let present = context.scene.walls.iter().filter(|wall| wall.present);
+    let present = findings.context.scene.walls.iter().filter(|wall| wall.present);
     for wall in present.filter(|wall| is_behind(wall, place, radius)) {
         let message = format!("{what} is behind wall `{}` {place:?}", wall.name);
         let help = "move it inside; a wall has its inside on the left of start to end";

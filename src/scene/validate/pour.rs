@@ -4,28 +4,21 @@ use std::fmt::Arguments;
 
 use clastic_components::domain;
 
-use crate::scene::format::{Analysis, Load, Opening, Pour, Rate, Stop, Stream};
+use crate::scene::format::{Load, Opening, Pour, Rate, Stop, Stream};
 use crate::scene::spans::join;
 
-use super::Context;
 use super::findings::Findings;
 use super::places::is_behind;
 use super::references::material_of;
 use super::sizes::check_sizes;
 
 /// Checks what a stage has beside a loading stage.
-pub(super) fn check(
-    context: &Context,
-    path: Arguments,
-    stage: &Pour,
-    present: &[bool],
-    findings: &mut Findings,
-) {
+pub(super) fn check(path: Arguments, stage: &Pour, findings: &mut Findings) {
+    let context = findings.context;
     let Stream { through, rate, minerals, velocity, group, .. } = &stage.stream;
-    let analysis = stage.load.analysis.unwrap_or(context.scene.analysis);
     let sure = findings.is_sure_of("analysis")
         && findings.is_sure_of_part(format_args!("{path}.analysis"));
-    if analysis == Analysis::Static && sure {
+    if findings.is_timeless() && sure {
         let help = "give `analysis: Dynamic(dt: ...)` to the stage";
         findings.add(path, "a static stage that pours: it has no time", help);
     }
@@ -43,7 +36,7 @@ pub(super) fn check(
     let limits = check_sizes(format_args!("{path}.sizes"), &stage.stream.sizes, findings);
     let all: f64 = minerals.values().sum();
     if minerals.is_empty() || all < 1.0 {
-        material_of(context, path, stage.stream.material.as_deref(), findings);
+        material_of(path, stage.stream.material.as_deref(), findings);
     }
     for (name, share) in minerals {
         let path = join(&format!("{path}.minerals"), name);
@@ -64,14 +57,12 @@ pub(super) fn check(
         let message = format!("the scene has a group `{group}` too");
         findings.add(of, message, "give it another name");
     }
-    opening(context, format_args!("{path}.through"), (*through, limits), present, findings);
+    opening(format_args!("{path}.through"), (*through, limits), findings);
 }
 
 fn opening(
-    context: &Context,
     path: Arguments,
     (through, limits): (Opening, Option<(f64, f64)>),
-    present: &[bool],
     findings: &mut Findings,
 ) {
     let (corners, sides) = match through {
@@ -82,14 +73,7 @@ fn opening(
             (fine.then(|| vec![start, end]), length)
         }
         Opening::Box { min, max } => {
-            let fine = findings.vector(format_args!("{path}.min"), min, domain::PLACE.what)
-                & findings.vector(format_args!("{path}.max"), max, domain::PLACE.what);
-            if fine && (min.0 >= max.0 || min.1 >= max.1) {
-                let message = format!("not above and to the right of min ({max:?})");
-                let help = "give a rectangle with an area";
-                findings.add(format_args!("{path}.max"), message, help);
-                return;
-            }
+            let fine = findings.rectangle(path, min, max);
             let corners = vec![min, (max.0, min.1), max, (min.0, max.1)];
             (fine.then_some(corners), (max.0 - min.0).min(max.1 - min.1))
         }
@@ -102,10 +86,11 @@ fn opening(
         findings.add(path, message, &help);
         return;
     }
-    if !findings.is_sure_of("walls") || !findings.is_sure_of("stages") {
+    if !findings.are_sure_of(&["walls", "stages"]) {
         return;
     }
-    let walls = context.scene.walls.iter().zip(present).filter(|(_, there)| **there);
+    let walls =
+        findings.context.scene.walls.iter().zip(&findings.present).filter(|(_, there)| **there);
     let behind = |corner: &&(f64, f64)| {
         let mut walls = walls.clone();
         walls.find(|(wall, _)| is_behind(wall, **corner, maximum)).map(|(wall, _)| wall)

@@ -4,18 +4,12 @@ use std::fmt::Arguments;
 
 use crate::scene::suggest;
 
-use super::Context;
 use super::findings::Findings;
 
 /// Checks the material of a particle or of a recipe.
-pub(super) fn material_of(
-    context: &Context,
-    path: Arguments,
-    material: Option<&str>,
-    findings: &mut Findings,
-) {
-    let names = &context.materials;
-    let minerals = &context.scene.minerals;
+pub(super) fn material_of(path: Arguments, material: Option<&str>, findings: &mut Findings) {
+    let names = &findings.context.materials;
+    let minerals = &findings.context.scene.minerals;
     match material {
         Some(name) => {
             let path = format_args!("{path}.material");
@@ -38,15 +32,10 @@ pub(super) fn material_of(
 }
 
 /// Checks the index of a particle.
-pub(super) fn index_exists(
-    context: &Context,
-    path: Arguments,
-    index: u32,
-    findings: &mut Findings,
-) -> bool {
-    let exists = context.particles.is_none_or(|count| u64::from(index) < count);
+pub(super) fn index_exists(path: Arguments, index: u32, findings: &mut Findings) -> bool {
+    let exists = findings.context.particles.is_none_or(|count| u64::from(index) < count);
     if !exists && findings.is_sure_of("specimen") {
-        let count = context.particles.unwrap_or_default();
+        let count = findings.context.particles.unwrap_or_default();
         let help = match count {
             0 => "the specimen has no particles".to_owned(),
             _ => format!("the particles are 0 to {}", count - 1),

@@ -6,7 +6,6 @@ use clastic_components::domain;
 
 use crate::scene::format::{Analysis, Contact, Scene, Stage};
 
-use super::Context;
 use super::findings::Findings;
 
 /// Checks the restitution of a contact law of a material or a wall.
@@ -26,28 +25,18 @@ pub(super) fn law(path: Arguments, contact: Contact, findings: &mut Findings) {
 
 /// Checks theta of dynamic stages. With restitution velocities have theta = 1, and springs require
 /// theta = 1 as well.
-pub(super) fn check(context: &Context, findings: &mut Findings) {
-    let scene = context.scene;
+pub(super) fn check(findings: &mut Findings) {
+    let scene = findings.context.scene;
     let parts = ["materials", "walls", "analysis", "stages"];
-    if !scene.has_restitution()
-        || !has_springs(scene)
-        || !parts.iter().all(|part| findings.is_sure_of(part))
-    {
+    if !scene.has_restitution() || !has_springs(scene) || !findings.are_sure_of(&parts) {
         return;
     }
-    let loads = || {
-        scene.stages.iter().enumerate().filter_map(|(i, stage)| match stage {
-            Stage::Load(load) => Some((i, load.analysis)),
-            Stage::Pour(pour) => Some((i, pour.load.analysis)),
-            Stage::Custom(stage) => Some((i, stage.analysis)),
-            Stage::Compact(_) | Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_) => None,
-        })
-    };
-    if loads().any(|(_, analysis)| analysis.is_none()) {
+    let has_analysis = |stage: &Stage| stage.load().is_some() || matches!(stage, Stage::Custom(_));
+    if scene.stages.iter().any(|stage| has_analysis(stage) && stage.analysis().is_none()) {
         theta(format_args!("analysis"), scene.analysis, findings);
     }
-    for (i, analysis) in loads() {
-        if let Some(analysis) = analysis {
+    for (i, stage) in scene.stages.iter().enumerate() {
+        if let Some(analysis) = stage.analysis() {
             theta(format_args!("stages[{i}].analysis"), analysis, findings);
         }
     }

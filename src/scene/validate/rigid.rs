@@ -4,11 +4,10 @@ use std::fmt::Arguments;
 
 use clastic_components::domain;
 
-use crate::scene::format::{Analysis, Load, Motion, RigidControl};
+use crate::scene::format::{Load, Motion, RigidControl};
 use crate::scene::spans::join;
 use crate::scene::suggest;
 
-use super::Context;
 use super::findings::Findings;
 use super::parts::{motion, wall_there};
 use super::select::select;
@@ -26,10 +25,8 @@ pub(super) fn at_start(names: &[String]) -> Vec<There> {
 
 /// Checks the groups of a stage; `there` are those that exist, and afterwards those that remain.
 pub(super) fn check(
-    context: &Context,
     path: Arguments,
     stage: &Load,
-    present: &[bool],
     there: &mut Vec<There>,
     findings: &mut Findings,
 ) {
@@ -41,13 +38,12 @@ pub(super) fn check(
     for (i, name) in stage.remove_walls.iter().enumerate() {
         of_a_group(format_args!("{path}.remove_walls[{i}]"), name, there, findings);
     }
-    let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
     for (name, control) in &stage.rigid {
         let own = join(&format!("{path}.rigid"), name);
         let own = format_args!("{own}");
         for (i, wall) in control.walls.iter().enumerate() {
             let path = format_args!("{own}.walls[{i}]");
-            wall_there(context, path, wall, present, findings);
+            wall_there(path, wall, findings);
             of_a_group(path, wall, there, findings);
         }
         if !control.makes() {
@@ -71,7 +67,7 @@ pub(super) fn check(
         } else {
             there.push(There { name: name.clone(), walls: control.walls.clone() });
         }
-        control_of_group(context, own, control, timeless, findings);
+        control_of_group(own, control, findings);
     }
     for name in stage.walls.keys() {
         let path = join(&format!("{path}.walls"), name);
@@ -97,15 +93,9 @@ fn is_there(path: Arguments, name: &str, there: &[There], findings: &mut Finding
     }
 }
 
-fn control_of_group(
-    context: &Context,
-    path: Arguments,
-    control: &RigidControl,
-    timeless: bool,
-    findings: &mut Findings,
-) {
+fn control_of_group(path: Arguments, control: &RigidControl, findings: &mut Findings) {
     if let Some(wanted) = &control.select {
-        select(context, format_args!("{path}.select"), wanted, findings);
+        select(format_args!("{path}.select"), wanted, findings);
     }
     if let Some(about) = control.about {
         let path = format_args!("{path}.about");
@@ -120,7 +110,7 @@ fn control_of_group(
         findings.add(format_args!("{path}.walls"), "a group with walls and without a pivot", help);
     }
     for (field, wanted, unit) in control.motions() {
-        motion(format_args!("{path}.{field}"), wanted, unit, timeless, findings);
+        motion(format_args!("{path}.{field}"), wanted, unit, findings);
     }
     if let Some(force) = control.force {
         findings.vector(format_args!("{path}.force"), force, "a force in N");

@@ -14,7 +14,8 @@ use super::findings::Findings;
 use super::references::index_exists;
 
 /// Checks a selection of particles.
-pub(super) fn select(context: &Context, path: Arguments, select: &Select, findings: &mut Findings) {
+pub(super) fn select(path: Arguments, select: &Select, findings: &mut Findings) {
+    let context = findings.context;
     let particles = match &context.scene.specimen {
         Specimen::Particles(list) => list.as_slice(),
         _ => &[],
@@ -32,7 +33,7 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
                 findings.add(path, "selects no particle", "name particles by index, from 0");
             }
             for (i, index) in list.iter().enumerate() {
-                index_exists(context, format_args!("{path}[{i}]"), *index, findings);
+                index_exists(format_args!("{path}[{i}]"), *index, findings);
             }
         }
         Select::Group(name) => {
@@ -46,8 +47,8 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
             findings.reference(format_args!("{path}[0]"), name, ("probe", "specimen"), &names);
         }
         Select::Range(first, last) => {
-            let sound = index_exists(context, format_args!("{path}[0]"), *first, findings)
-                & index_exists(context, format_args!("{path}[1]"), *last, findings);
+            let sound = index_exists(format_args!("{path}[0]"), *first, findings)
+                & index_exists(format_args!("{path}[1]"), *last, findings);
             if sound && first > last {
                 let message = format!("before the first ({last})");
                 findings.add(format_args!("{path}[1]"), message, "give (first, last)");
@@ -68,12 +69,12 @@ pub(super) fn select(context: &Context, path: Arguments, select: &Select, findin
                 findings.add(path, "a set of no selections", "give one or more");
             }
             for (i, part) in list.iter().enumerate() {
-                self::select(context, format_args!("{path}[{i}]"), part, findings);
+                self::select(format_args!("{path}[{i}]"), part, findings);
             }
         }
         Select::Except(from, without) => {
             for (i, part) in [from, without].into_iter().enumerate() {
-                self::select(context, format_args!("{path}[{i}]"), part, findings);
+                self::select(format_args!("{path}[{i}]"), part, findings);
             }
         }
     }
@@ -86,8 +87,7 @@ fn names_of_groups<'a>(context: &'a Context, particles: &'a [Particle]) -> Vec<&
         names.push(BOUNDARY);
     }
     names.extend(context.specimen.iter().flat_map(|s| &s.groups).flatten().map(String::as_str));
-    let state = context.specimen.and_then(|stored| stored.state.as_ref());
-    names.extend(state.iter().flat_map(|state| &state.groups).map(String::as_str));
+    names.extend(context.state().iter().flat_map(|state| &state.groups).map(String::as_str));
     names.extend(context.scene.stages.iter().filter_map(|stage| match stage {
         Stage::Pour(pour) => pour.stream.group.as_deref(),
         _ => None,
@@ -146,7 +146,8 @@ fn region(path: Arguments, select: &Select, findings: &mut Findings) {
 
 /// Checks the groups of the scene: no name is also one of the specimen, and no group is defined by
 /// itself.
-pub(super) fn groups(context: &Context, findings: &mut Findings) {
+pub(super) fn groups(findings: &mut Findings) {
+    let context = findings.context;
     let groups = &context.scene.groups;
     for (name, of) in groups {
         let path = join("groups", name);
@@ -172,7 +173,7 @@ pub(super) fn groups(context: &Context, findings: &mut Findings) {
             let message = format!("group `{name}` is defined by itself");
             findings.add(path, message, "define it by other groups, or by regions");
         } else {
-            select(context, path, of, findings);
+            select(path, of, findings);
         }
     }
 }

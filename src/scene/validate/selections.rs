@@ -6,15 +6,14 @@
 
 use std::collections::BTreeMap;
 
-use super::Context;
 use super::findings::Findings;
-use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::run::select::{Candidate, selects};
 use crate::scene::format::{Select, Specimen, Stage};
 use crate::scene::spans::join;
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     let scene = context.scene;
     let moves = |stage: &Stage| !matches!(stage, Stage::Cement(_) | Stage::Save(_));
     let unmoved = scene.stages.iter().position(moves);
@@ -33,12 +32,10 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     // An invalid recipe makes no particles.
     let parts = ["specimen", "groups", "materials", "minerals", "keep"];
     let fields = ["particles", "rigid", "select"].map(|field| format!("stages[{i}].{field}"));
-    if !parts.iter().all(|part| findings.is_sound(part))
-        || !fields.iter().all(|field| findings.is_sound(field))
-    {
+    if !findings.are_sound(&parts) || !fields.iter().all(|field| findings.is_sound(field)) {
         return;
     }
-    let seeds = specimen(scene, context.specimen);
+    let seeds = context.at_start();
     let only = context.materials.first().filter(|_| context.materials.len() == 1);
     let probes: BTreeMap<u32, &str> =
         scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();

@@ -4,14 +4,13 @@ use clastic_components::domain;
 
 use crate::scene::format::{Analysis, Avalanche, FrictionLaw, RuptureOrder, Solver, VERSION};
 
-use super::Context;
 use super::findings::Findings;
 
 /// More halvings than this make an increment smaller than its round-off.
 const MOST_HALVINGS: u32 = 30;
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
-    let scene = context.scene;
+pub(super) fn check(findings: &mut Findings) {
+    let scene = findings.context.scene;
     if scene.version != VERSION {
         let message = format!("unknown version ({})", scene.version);
         let help = format!("this build reads version {VERSION}");

@@ -14,41 +14,42 @@ use super::outline::{COARSEST, not_behind, not_too_far, outline};
 use super::places::{finest, is_behind};
 use super::references::material_of;
 use super::sizes::check_sizes;
-use super::{Context, bonds, state};
+use super::{bonds, state};
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
-    size(context, findings);
-    match &context.scene.specimen {
-        Specimen::Particles(list) => particles(context, list, findings),
+pub(super) fn check(findings: &mut Findings) {
+    size(findings);
+    match &findings.context.scene.specimen {
+        Specimen::Particles(list) => particles(list, findings),
         Specimen::Lattice { columns, rows, radius, origin, material } => {
             findings.at_least_one(format_args!("specimen.columns"), *columns, "a number");
             findings.at_least_one(format_args!("specimen.rows"), *rows, "a number");
             let fine = findings.within(format_args!("specimen.radius"), *radius, domain::RADIUS)
                 & findings.vector(format_args!("specimen.origin"), *origin, domain::PLACE.what);
-            material_of(context, format_args!("specimen"), material.as_deref(), findings);
+            material_of(format_args!("specimen"), material.as_deref(), findings);
             if fine && *columns > 0 && *rows > 0 {
                 let last = f64::from(rows - 1);
                 let indent = if rows % 2 == 0 && *columns > 1 { *radius } else { 0.0 };
                 let low = (origin.0, origin.0 + 2.0 * radius * f64::from(columns - 1));
                 let high = (low.0 + indent, low.1 - indent);
                 let heights = (origin.1, origin.1 + 3_f64.sqrt() * radius * last);
-                outline(context, low, high, heights, *radius, findings);
+                outline(low, high, heights, *radius, findings);
             }
         }
-        Specimen::Packing { .. } => packing(context, findings),
+        Specimen::Packing { .. } => packing(findings),
         Specimen::File { material, .. } => {
-            if let Some(stored) = context.specimen {
-                rows(context, stored, material.as_deref(), findings);
+            if let Some(stored) = findings.context.specimen {
+                rows(stored, material.as_deref(), findings);
             }
         }
-        Specimen::State { materials, .. } => state::check(context, materials, findings),
+        Specimen::State { materials, .. } => state::check(materials, findings),
     }
-    bonds::check(context, findings);
+    bonds::check(findings);
 }
 
 /// Checks that a specimen is not too large for any machine.
-fn size(context: &Context, findings: &mut Findings) {
-    if !findings.is_sure_of("specimen") || !findings.is_sure_of("stages") {
+fn size(findings: &mut Findings) {
+    let context = findings.context;
+    if !findings.are_sure_of(&["specimen", "stages"]) {
         return;
     }
     let need = Need::of(context.scene, context.specimen);
@@ -72,7 +73,7 @@ fn size(context: &Context, findings: &mut Findings) {
     }
 }
 
-fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
+fn particles(list: &[Particle], findings: &mut Findings) {
     for (i, particle) in list.iter().enumerate() {
         let path = format_args!("specimen[{i}]");
         let fine = findings.within(format_args!("{path}.radius"), particle.radius, domain::RADIUS)
@@ -84,14 +85,14 @@ fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
         findings.vector(format_args!("{path}.velocity"), particle.velocity, domain::VELOCITY.what);
         let spin = particle.angular_velocity;
         findings.finite(format_args!("{path}.angular_velocity"), spin, domain::SPIN.what);
-        material_of(context, path, particle.material.as_deref(), findings);
+        material_of(path, particle.material.as_deref(), findings);
         if particle.group.as_ref().is_some_and(|group| group.trim().is_empty()) {
             findings.add(format_args!("{path}.group"), "empty name of a group", "give a name");
         }
         if fine && findings.is_sure_of_part(path) {
             let path = format_args!("{path}.position");
             not_too_far(path, "the centre", particle.position, particle.radius, findings);
-            not_behind(context, path, "the centre", particle.position, particle.radius, findings);
+            not_behind(path, "the centre", particle.position, particle.radius, findings);
         }
     }
     if findings.is_sure_of("specimen") {
@@ -106,9 +107,9 @@ fn particles(context: &Context, list: &[Particle], findings: &mut Findings) {
     }
 }
 
-fn packing(context: &Context, findings: &mut Findings) {
+fn packing(findings: &mut Findings) {
     let Specimen::Packing { count, columns, spacing, origin, sizes, material, .. } =
-        &context.scene.specimen
+        &findings.context.scene.specimen
     else {
         return;
     };
@@ -116,7 +117,7 @@ fn packing(context: &Context, findings: &mut Findings) {
     findings.at_least_one(format_args!("specimen.columns"), *columns, "a number");
     let fine = findings.positive(format_args!("specimen.spacing"), *spacing, "a spacing in m")
         & findings.vector(format_args!("specimen.origin"), *origin, domain::PLACE.what);
-    material_of(context, format_args!("specimen"), material.as_deref(), findings);
+    material_of(format_args!("specimen"), material.as_deref(), findings);
     let limits = check_sizes(format_args!("specimen.sizes"), sizes, findings);
     let Some((minimum, maximum)) = limits.filter(|_| fine) else { return };
     if *spacing < 2.0 * maximum {
@@ -133,19 +134,15 @@ fn packing(context: &Context, findings: &mut Findings) {
         let left = origin.0 + minimum;
         let top = origin.1 + spacing * f64::from(rows) - minimum;
         let (low, high) = ((left, right(*count.min(columns))), (left, right(in_last)));
-        outline(context, low, high, (origin.1 + minimum, top), minimum, findings);
+        outline(low, high, (origin.1 + minimum, top), minimum, findings);
     }
 }
 
-fn rows(
-    context: &Context,
-    stored: &StoredSpecimen,
-    default: Option<&str>,
-    findings: &mut Findings,
-) {
+fn rows(stored: &StoredSpecimen, default: Option<&str>, findings: &mut Findings) {
+    let context = findings.context;
     let name_list = &context.materials;
     if default.is_some() || stored.rows.iter().any(|row| row.material.is_none()) {
-        material_of(context, format_args!("specimen"), default, findings);
+        material_of(format_args!("specimen"), default, findings);
     }
     let mut shown = 0;
     for (i, row) in stored.rows.iter().enumerate() {
@@ -163,7 +160,7 @@ fn rows(
             findings.reference(path, name, ("material", "materials"), name_list);
         }
         not_too_far(path, &whose, (row.x, row.y), row.r, findings);
-        not_behind(context, path, &whose, (row.x, row.y), row.r, findings);
+        not_behind(path, &whose, (row.x, row.y), row.r, findings);
         if shown == MAX_SHOWN {
             return;
         }

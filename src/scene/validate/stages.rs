@@ -10,15 +10,16 @@ use crate::scene::format::{
 use crate::scene::spans::join;
 
 use super::findings::Findings;
-use super::parts::{WALL, motion, wall_there};
+use super::parts::{WALL, face, motion, straight, wall_there};
 use super::select::select;
 use super::wall_controls::control_of_wall;
-use super::{Context, accuracy, carried, membranes, pour, rigid, stops, wall_controls, walls};
+use super::{accuracy, carried, membranes, pour, rigid, stops, wall_controls};
 
 /// Maximum number of increments of a compaction.
 const MAX_STEPS: f64 = 1e8;
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     let scene = context.scene;
     let names = scene.stages.iter().enumerate();
     let names = names.map(|(i, stage)| (format!("stages[{i}].name"), stage.name()));
@@ -30,12 +31,16 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         let help = "add one, such as Load(name: \"load\", increments: 10)";
         findings.add(format_args!("stages"), "no stage: nothing would happen".to_owned(), help);
     }
-    let mut present: Vec<bool> = scene.walls.iter().map(|wall| wall.present).collect();
     let mut groups = rigid::at_start(&scene.rigid_at_start);
     let mut skins = membranes::inherited(context.specimen);
     let mut stresses = carried::inherited(context.specimen);
     for (i, stage) in scene.stages.iter().enumerate() {
         let path = format_args!("stages[{i}]");
+        findings.stage = i;
+        findings.analysis = match stage {
+            Stage::Compact(_) => Analysis::Static,
+            _ => stage.analysis().unwrap_or(scene.analysis),
+        };
         match stage {
             Stage::Compact(stage) => {
                 if !groups.is_empty() && findings.is_sure_of("stages") {
@@ -43,27 +48,27 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
                     findings.add(path, "a compaction with rigid groups", help);
                 }
                 membranes::none(path, "a compaction", &skins, findings);
-                compact(context, path, (i, stage), &present, findings);
+                compact(path, stage, findings);
             }
-            Stage::Cement(stage) => cement(context, path, stage, findings),
+            Stage::Cement(stage) => cement(path, stage, findings),
             Stage::Save(_) => {}
             Stage::Remove(stage) => {
-                select(context, format_args!("{path}.select"), &stage.select, findings);
+                select(format_args!("{path}.select"), &stage.select, findings);
             }
             Stage::Load(stage) => {
-                load(context, path, (i, stage), &mut present, findings);
-                accuracy::check(context, path, (i, stage), findings);
+                load(path, stage, findings);
+                accuracy::check(path, stage, findings);
                 carried::check(path, stage, &mut stresses, findings);
                 pour::none_is_full(path, stage, findings);
-                rigid::check(context, path, stage, &present, &mut groups, findings);
-                membranes::check(context, path, stage, &present, &mut skins, findings);
+                rigid::check(path, stage, &mut groups, findings);
+                membranes::check(path, stage, &mut skins, findings);
             }
             Stage::Pour(stage) => {
-                load(context, path, (i, &stage.load), &mut present, findings);
+                load(path, &stage.load, findings);
                 carried::check(path, &stage.load, &mut stresses, findings);
-                rigid::check(context, path, &stage.load, &present, &mut groups, findings);
-                membranes::check(context, path, &stage.load, &present, &mut skins, findings);
-                pour::check(context, path, stage, &present, findings);
+                rigid::check(path, &stage.load, &mut groups, findings);
+                membranes::check(path, &stage.load, &mut skins, findings);
+                pour::check(path, stage, findings);
             }
             Stage::Custom(stage) => custom(path, stage, findings),
         }
@@ -85,25 +90,16 @@ fn files(stages: &[Stage], findings: &mut Findings) {
     }
 }
 
-fn compact(
-    context: &Context,
-    path: Arguments,
-    (index, stage): (usize, &Compact),
-    present: &[bool],
-    findings: &mut Findings,
-) {
+fn compact(path: Arguments, stage: &Compact, findings: &mut Findings) {
     let Compact { wall, base, target, step, agitation, .. } = stage;
     let mut find = |field: &str, wall: &String| {
         let path = format_args!("{path}.{field}");
-        if wall.is_empty() { None } else { wall_there(context, path, wall, present, findings) }
+        if wall.is_empty() { None } else { wall_there(path, wall, findings) }
     };
     let (moving, fixed) = (find("wall", wall), find("base", base));
     for (field, wall) in [("wall", moving), ("base", fixed)] {
-        if let Some(wall) = wall.filter(|wall| !wall.shape.is_straight()) {
-            let message = format!("wall `{}` is not straight", wall.name);
-            let help = "compact between two straight walls";
-            findings.add(format_args!("{path}.{field}"), message, help);
-        }
+        let help = "compact between two straight walls";
+        straight(format_args!("{path}.{field}"), wall, help, findings);
     }
     if wall == base && !wall.is_empty() {
         findings.add(
@@ -111,12 +107,8 @@ fn compact(
             format!("the wall that moves (`{base}`)"),
             "name the fixed wall opposite",
         );
-    } else if let (Some(moving), Some(fixed)) = (moving, fixed)
-        && !walls::face(moving, fixed)
-    {
-        let message = format!("wall `{base}` does not face wall `{wall}`");
-        let help = "the two walls must be parallel, with their insides towards each other";
-        findings.add(format_args!("{path}.base"), message, help);
+    } else {
+        face(format_args!("{path}.base"), [moving, fixed], findings);
     }
     let target_path = format_args!("{path}.target[0]");
     match *target {
@@ -136,8 +128,8 @@ fn compact(
     for (i, stop) in stage.stop.iter().enumerate() {
         let path = format_args!("{path}.stop[{i}]");
         if matches!(stop, Stop::Below(..) | Stop::Above(..)) {
-            stops::check(context, path, stop, true, findings);
-            stops::never(context, path, (index, stop), (present, true), findings);
+            stops::check(path, stop, findings);
+            stops::never(path, stop, findings);
         } else {
             let help = "write `Below` or `Above`, with a measure";
             findings.add(path, "a compaction, which has no stress and no time", help);
@@ -168,7 +160,7 @@ fn record(path: Arguments, record: &Record, findings: &mut Findings) {
     }
 }
 
-fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Findings) {
+fn cement(path: Arguments, stage: &Cement, findings: &mut Findings) {
     if let Some(length) = stage.length {
         findings.not_negative(format_args!("{path}.length"), length, "a bond length in m");
     }
@@ -191,7 +183,7 @@ fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Fin
         findings.add(format_args!("{path}.walls"), "walls have no coordination", help);
     }
     if let Some(of) = &stage.select {
-        select(context, format_args!("{path}.select"), of, findings);
+        select(format_args!("{path}.select"), of, findings);
     }
     super::materials::bond(format_args!("{path}.bond"), stage.bond, findings);
     if !stage.particles && !stage.walls {
@@ -199,9 +191,9 @@ fn cement(context: &Context, path: Arguments, stage: &Cement, findings: &mut Fin
         findings.add(format_args!("{path}.particles"), "nothing to bond", help);
     }
     let no_law = stage.bond.is_none()
-        && context.scene.materials.values().all(|material| material.bond.is_none());
+        && findings.context.scene.materials.values().all(|material| material.bond.is_none());
     let to_walls = stage.walls
-        && (context.scene.walls.iter().any(|wall| wall.bond.is_some())
+        && (findings.context.scene.walls.iter().any(|wall| wall.bond.is_some())
             || !findings.is_sure_of("walls"));
     if no_law && !to_walls && findings.is_sure_of("materials") {
         let help = "add `bond: (...)` to the material that is to be cemented";
@@ -226,20 +218,19 @@ fn custom(path: Arguments, stage: &CustomStage, findings: &mut Findings) {
     record(path, &stage.record, findings);
 }
 
-fn scale(context: &Context, path: Arguments, stage: &Load, findings: &mut Findings) {
-    let timeless = stage.analysis.unwrap_or(context.scene.analysis) == Analysis::Static;
+fn scale(path: Arguments, stage: &Load, findings: &mut Findings) {
     let Scale { gravity, strength, loads } = &stage.scale;
     for (field, points) in [("gravity", gravity), ("strength", strength), ("loads", loads)] {
         if let Some(points) = points {
             let path = format_args!("{path}.scale.{field}");
             let points: Vec<_> = points.iter().map(|(s, factor)| (*s, vec![*factor])).collect();
-            wall_controls::points_of(path, &points, "a factor", timeless, findings);
+            wall_controls::points_of(path, &points, "a factor", findings);
         }
     }
     for (k, (_, factor)) in strength.iter().flatten().enumerate() {
         findings.positive(format_args!("{path}.scale.strength[{k}][1]"), *factor, "a factor");
     }
-    if gravity.is_some() && stage.gravity.unwrap_or(context.scene.gravity) == (0.0, 0.0) {
+    if gravity.is_some() && stage.gravity.unwrap_or(findings.context.scene.gravity) == (0.0, 0.0) {
         let help = "give the stage or the scene a `gravity`";
         findings.add(format_args!("{path}.scale.gravity"), "a factor on no gravity", help);
     }
@@ -262,23 +253,16 @@ fn scale(context: &Context, path: Arguments, stage: &Load, findings: &mut Findin
     }
 }
 
-fn load(
-    context: &Context,
-    path: Arguments,
-    (index, stage): (usize, &Load),
-    present: &mut [bool],
-    findings: &mut Findings,
-) {
+fn load(path: Arguments, stage: &Load, findings: &mut Findings) {
+    let context = findings.context;
     findings.at_least_one(format_args!("{path}.increments"), stage.increments, "a number");
     if let Some(analysis) = stage.analysis {
         super::settings::analysis(format_args!("{path}.analysis"), analysis, findings);
     }
-    scale(context, path, stage, findings);
+    scale(path, stage, findings);
     if let Some(gravity) = stage.gravity {
         findings.vector(format_args!("{path}.gravity"), gravity, "an acceleration in m/s^2");
     }
-    let analysis = stage.analysis.unwrap_or(context.scene.analysis);
-    let timeless = analysis == Analysis::Static;
     for (field, names, there) in
         [("remove_walls", &stage.remove_walls, false), ("add_walls", &stage.add_walls, true)]
     {
@@ -286,25 +270,27 @@ fn load(
             let path = format_args!("{path}.{field}[{i}]");
             findings.reference(path, name, WALL, &context.walls);
             let index = context.walls.iter().position(|wall| wall == name);
-            let Some(is_there) = index.and_then(|index| present.get_mut(index)) else { continue };
-            if *is_there == there && findings.is_sure_of("stages") && findings.is_sure_of("walls") {
+            let Some(is_there) = index.and_then(|index| findings.present.get_mut(index)) else {
+                continue;
+            };
+            if std::mem::replace(is_there, there) == there
+                && findings.are_sure_of(&["stages", "walls"])
+            {
                 let state = if there { "already" } else { "not" };
                 let message = format!("wall `{name}` is {state} there");
                 findings.add(path, message, "leave it out of this list");
             }
-            *is_there = there;
         }
     }
-    let when = (&present[..], analysis, stage.increments);
     for (name, control) in &stage.walls {
         let walls = format!("{path}.walls");
         let control_path = join(&walls, name);
         let control_path = format_args!("{control_path}");
-        control_of_wall(context, control_path, (name, control), when, findings);
+        control_of_wall(control_path, (name, control), stage.increments, findings);
     }
     for (i, control) in stage.particles.iter().enumerate() {
         let path = format_args!("{path}.particles[{i}]");
-        control_of_particles(context, path, control, timeless, findings);
+        control_of_particles(path, control, findings);
     }
     record(format_args!("{path}.record"), &stage.record, findings);
     for (i, n) in stage.record.frames.iter().enumerate() {
@@ -321,24 +307,18 @@ fn load(
     }
     for (i, stop) in stage.stop.iter().enumerate() {
         let path = format_args!("{path}.stop[{i}]");
-        stops::check(context, path, stop, timeless, findings);
-        stops::never(context, path, (index, stop), (present, timeless), findings);
+        stops::check(path, stop, findings);
+        stops::never(path, stop, findings);
     }
 }
 
-fn control_of_particles(
-    context: &Context,
-    path: Arguments,
-    control: &ParticleControl,
-    timeless: bool,
-    findings: &mut Findings,
-) {
-    select(context, format_args!("{path}.select"), &control.select, findings);
+fn control_of_particles(path: Arguments, control: &ParticleControl, findings: &mut Findings) {
+    select(format_args!("{path}.select"), &control.select, findings);
     let motions =
         [("x", control.x, "m"), ("y", control.y, "m"), ("rotation", control.rotation, "rad")];
     for (field, wanted, unit) in motions {
         let path = format_args!("{path}.{field}");
-        motion(path, wanted, unit, timeless, findings);
+        motion(path, wanted, unit, findings);
         if control.affine.is_some() && field != "rotation" && wanted != Motion::Free {
             let message = format!("{field} is imposed twice");
             findings.add(path, message, "`affine` imposes x and y: leave it out here");

@@ -6,15 +6,11 @@ use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::spans::join;
 use crate::scene::suggest;
 
-use super::Context;
 use super::findings::Findings;
 use super::outline::not_behind;
 
-pub(super) fn check(
-    context: &Context,
-    renamed: &BTreeMap<String, String>,
-    findings: &mut Findings,
-) {
+pub(super) fn check(renamed: &BTreeMap<String, String>, findings: &mut Findings) {
+    let context = findings.context;
     for (name, new) in renamed {
         let path = join("specimen.materials", name);
         let known = &context.materials;
@@ -60,7 +56,7 @@ pub(super) fn check(
         for (i, row) in stored.rows.iter().enumerate() {
             let whose = format!("particle {i} of the state");
             let path = format_args!("specimen.path");
-            not_behind(context, path, &whose, (row.x, row.y), row.r, findings);
+            not_behind(path, &whose, (row.x, row.y), row.r, findings);
             if findings.len() >= before + MAX_SHOWN {
                 return;
             }

@@ -4,18 +4,11 @@ use std::fmt::Arguments;
 
 use crate::scene::format::{Area, Length, Quantity, Stop, Strain, Stress};
 
-use super::Context;
 use super::findings::Findings;
 
-pub(super) fn check(
-    context: &Context,
-    path: Arguments,
-    stop: &Stop,
-    timeless: bool,
-    findings: &mut Findings,
-) {
+pub(super) fn check(path: Arguments, stop: &Stop, findings: &mut Findings) {
     let number = format_args!("{path}[0]");
-    let scene = context.scene;
+    let scene = findings.context.scene;
     let sure = findings.is_sure_of("measures");
     match stop {
         Stop::StressDrop(fraction) => {
@@ -49,7 +42,7 @@ pub(super) fn check(
             }
         }
     }
-    if timeless && matches!(stop, Stop::Rest(_)) && findings.is_sure_of("analysis") {
+    if findings.is_timeless() && matches!(stop, Stop::Rest(_)) && findings.is_sure_of("analysis") {
         let message = "a stop by speed in a static stage, which has no time";
         findings.add(path, message, "use a dynamic analysis");
     }
@@ -74,28 +67,19 @@ fn walls(of: &Quantity) -> Vec<&String> {
 }
 
 /// Finds stop conditions on measures that are not defined in their stage, which could never be met.
-pub(super) fn never(
-    context: &Context,
-    path: Arguments,
-    (here, stop): (usize, &Stop),
-    (present, timeless): (&[bool], bool),
-    findings: &mut Findings,
-) {
-    if !["measures", "stages", "walls"].iter().all(|part| findings.is_sure_of(part)) {
+pub(super) fn never(path: Arguments, stop: &Stop, findings: &mut Findings) {
+    let context = findings.context;
+    if !findings.are_sure_of(&["measures", "stages", "walls"]) {
         return;
     }
     let scene = context.scene;
     let Some(of) = stop.measure().and_then(|name| scene.measure(name)) else { return };
-    let there = |name: &&&String| {
-        let index = context.walls.iter().position(|wall| *wall == name.as_str());
-        index.is_none_or(|index| present.get(index) == Some(&true))
-    };
-    if let Some(wall) = walls(of).iter().find(|name| !there(name)) {
+    if let Some(wall) = walls(of).iter().find(|name| findings.is_there(name) == Some(false)) {
         let message =
             format!("it can never hold: wall `{wall}`, on which it is measured, is not there");
         findings.add(path, message, "measure on walls of this stage, or leave it out");
     }
-    if timeless && matches!(of, Quantity::Time) && findings.is_sure_of("analysis") {
+    if findings.is_timeless() && matches!(of, Quantity::Time) && findings.is_sure_of("analysis") {
         let message = "it can never hold: a static stage has no time";
         findings.add(path, message, "use a dynamic analysis");
     }
@@ -111,7 +95,7 @@ pub(super) fn never(
             | Quantity::DilationAngle { .. }
             | Quantity::Ring { .. }
     ) || matches!(of, Quantity::Grains { moved, .. } if *moved > 0.0);
-    if counts && here < reference {
+    if counts && findings.stage < reference {
         let name = context.stages[reference];
         let the_last = if reference == last { ", the last one" } else { "" };
         let message =

@@ -2,12 +2,10 @@
 
 use glam::DVec2;
 
-use super::Context;
 use super::findings::Findings;
 use super::places::length;
 use clastic_components::domain;
 
-use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
 use crate::scene::diagnostic::MAX_SHOWN;
@@ -79,13 +77,12 @@ pub(super) const ONE_PIECE: &str = "name a wall of one piece";
 /// A wall that a control or a measure needs as one straight or curved piece. The pair completes
 /// "has no one ..." and says what helps.
 pub(super) fn one_piece(
-    context: &Context,
     path: std::fmt::Arguments,
     name: &str,
     (what, help): (&str, &str),
     findings: &mut Findings,
 ) {
-    let wall = context.scene.walls.iter().find(|wall| wall.name == name);
+    let wall = findings.context.wall(name);
     if wall.is_some_and(|wall| matches!(wall.shape, WallShape::Polyline(_))) {
         let message = format!("wall `{name}` is a polyline, which has no one {what}");
         findings.add(path, message, help);
@@ -94,15 +91,15 @@ pub(super) fn one_piece(
 
 /// Checks the particles at the start: none is cut by a thin wall, and none is too large for the
 /// hollow side of an arc.
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     let scene = context.scene;
     let thin = || scene.walls.iter().enumerate().filter(|(_, wall)| !wall.shape.is_line());
-    let is_read = context.specimen.is_some() || !matches!(scene.specimen, Specimen::File { .. });
-    let sound = findings.is_sound("specimen") && findings.is_sound("walls");
-    if thin().next().is_none() || !is_read || !sound {
+    if thin().next().is_none() || !context.is_read() || !findings.are_sound(&["specimen", "walls"])
+    {
         return;
     }
-    let seeds = specimen(scene, context.specimen);
+    let seeds = context.at_start();
     for (i, wall) in thin() {
         if let WallShape::Arc { .. } = wall.shape {
             hollow(i, wall, &seeds, findings);

@@ -7,9 +7,8 @@ use clastic_components::domain;
 use crate::scene::format::{Analysis, LidLoad, Slide, Table, WallControl};
 use crate::scene::suggest;
 
-use super::Context;
 use super::findings::Findings;
-use super::parts::{no_time, wall_there};
+use super::parts::{needs_time, straight, wall_there};
 use super::thin_walls::{ONE_PIECE, one_piece};
 
 /// Maximum rotation of a wall in an increment, rad. Gaps are those of the rotation to first order
@@ -18,18 +17,16 @@ const MAX_TURN: f64 = 0.2;
 
 /// Checks the control of a wall in a stage, which may have no time.
 pub(super) fn control_of_wall(
-    context: &Context,
     path: Arguments,
     (name, control): (&str, &WallControl),
-    (present, analysis, increments): (&[bool], Analysis, u32),
+    increments: u32,
     findings: &mut Findings,
 ) {
-    let timeless = analysis == Analysis::Static;
-    let dt = if let Analysis::Dynamic { dt, .. } = analysis { Some(dt) } else { None };
-    if context.walls.contains(&name) {
-        wall_there(context, path, name, present, findings);
+    let dt = if let Analysis::Dynamic { dt, .. } = findings.analysis { Some(dt) } else { None };
+    if findings.context.walls.contains(&name) {
+        wall_there(path, name, findings);
     } else if findings.is_sure_of("walls") {
-        let help = suggest::help(name, &context.walls, "walls");
+        let help = suggest::help(name, &findings.context.walls, "walls");
         findings.add_at_key(path, format!("unknown wall (`{name}`)"), &help);
     }
     match control {
@@ -39,9 +36,7 @@ pub(super) fn control_of_wall(
         }
         WallControl::Velocity(x, y) => {
             findings.vector(path, (*x, *y), domain::VELOCITY.what);
-            if timeless {
-                no_time(path, "a velocity", findings);
-            }
+            needs_time(path, "a velocity", findings);
         }
         WallControl::Rotation { about, angle } => {
             findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
@@ -58,26 +53,26 @@ pub(super) fn control_of_wall(
                 let help = "give a smaller one, or a smaller dt: at most 0.2 rad in a time step";
                 findings.add(own, message, help);
             }
-            if timeless && findings.is_sure_of("analysis") {
+            if findings.is_timeless() && findings.is_sure_of("analysis") {
                 let message = "an angular velocity in a static stage, which has no time";
                 let help = "use `Rotation`, in every increment, or a dynamic analysis";
                 findings.add(path, message, help);
             }
         }
         WallControl::Force(force) => {
-            one_piece(context, path, name, ("normal", ONE_PIECE), findings);
+            one_piece(path, name, ("normal", ONE_PIECE), findings);
             findings.finite(format_args!("{path}[0]"), *force, "a force in N");
         }
         WallControl::Stress { stress, between } => {
-            one_piece(context, path, name, ("normal", ONE_PIECE), findings);
+            one_piece(path, name, ("normal", ONE_PIECE), findings);
             findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
-            loaded_between(context, path, (name, between), present, findings);
+            loaded_between(path, (name, between), findings);
         }
         WallControl::Lid { load, slide } => {
-            lid(context, path, (name, load, *slide), (present, timeless), findings);
+            lid(path, (name, load, *slide), findings);
         }
         WallControl::Follow(table) => {
-            follow(context, path, (name, table), (present, timeless), findings);
+            follow(path, (name, table), findings);
             if let Table::Rotation { about, angle } = table {
                 findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
                 // Part of the table that an increment takes.
@@ -104,17 +99,15 @@ fn turns(path: Arguments, angle: &[(f64, f64)], step: f64, findings: &mut Findin
 
 /// Checks the two walls that bound the loaded length of a stress.
 fn loaded_between(
-    context: &Context,
     path: Arguments,
     (name, between): (&str, &Option<(String, String)>),
-    present: &[bool],
     findings: &mut Findings,
 ) {
     let Some((a, b)) = between else { return };
     for (i, other) in [a, b].into_iter().enumerate() {
         let path = format_args!("{path}.between[{i}]");
-        wall_there(context, path, other, present, findings);
-        one_piece(context, path, other, ("place and normal", ONE_PIECE), findings);
+        wall_there(path, other, findings);
+        one_piece(path, other, ("place and normal", ONE_PIECE), findings);
         if other == name {
             let help = "name the two walls that bound its loaded length";
             findings.add(path, format!("the wall itself (`{name}`)"), help);
@@ -123,18 +116,9 @@ fn loaded_between(
     findings.pair(format_args!("{path}.between"), (a, b), "wall");
 }
 
-fn lid(
-    context: &Context,
-    path: Arguments,
-    (name, load, slide): (&str, &LidLoad, Slide),
-    (present, timeless): (&[bool], bool),
-    findings: &mut Findings,
-) {
-    let wall = context.scene.walls.iter().find(|wall| wall.name == name);
-    if wall.is_some_and(|wall| !wall.shape.is_straight()) {
-        let message = format!("wall `{name}` is not straight");
-        findings.add(path, message, "a lid is a straight wall: it slides along itself");
-    }
+fn lid(path: Arguments, (name, load, slide): (&str, &LidLoad, Slide), findings: &mut Findings) {
+    let help = "a lid is a straight wall: it slides along itself";
+    straight(path, findings.context.wall(name), help, findings);
     match load {
         LidLoad::Force(force) => {
             findings.finite(format_args!("{path}.load[0]"), *force, "a force in N");
@@ -142,7 +126,7 @@ fn lid(
         LidLoad::Stress { stress, between } => {
             let path = format_args!("{path}.load");
             findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
-            loaded_between(context, path, (name, between), present, findings);
+            loaded_between(path, (name, between), findings);
         }
     }
     let path = format_args!("{path}.slide[0]");
@@ -152,20 +136,12 @@ fn lid(
         }
         Slide::Velocity(v) => {
             findings.finite(path, v, domain::VELOCITY.what);
-            if timeless {
-                no_time(path, "a velocity", findings);
-            }
+            needs_time(path, "a velocity", findings);
         }
     }
 }
 
-fn follow(
-    context: &Context,
-    path: Arguments,
-    (name, table): (&str, &Table),
-    (present, timeless): (&[bool], bool),
-    findings: &mut Findings,
-) {
+fn follow(path: Arguments, (name, table): (&str, &Table), findings: &mut Findings) {
     let (points, path, what): (Vec<_>, _, _) = match table {
         Table::Displacement(list) => {
             let points = list.iter().map(|(s, x, y)| (*s, vec![*x, *y])).collect();
@@ -180,15 +156,15 @@ fn follow(
             (points, format!("{path}.angle"), "an angle in rad")
         }
         Table::Stress { stress, between } => {
-            loaded_between(context, path, (name, between), present, findings);
+            loaded_between(path, (name, between), findings);
             let points = stress.iter().map(|(s, p)| (*s, vec![*p])).collect();
             (points, format!("{path}.stress"), "a stress in Pa")
         }
     };
     if !matches!(table, Table::Displacement(_) | Table::Rotation { .. }) {
-        one_piece(context, format_args!("{path}"), name, ("normal", ONE_PIECE), findings);
+        one_piece(format_args!("{path}"), name, ("normal", ONE_PIECE), findings);
     }
-    points_of(format_args!("{path}"), &points, what, timeless, findings);
+    points_of(format_args!("{path}"), &points, what, findings);
 }
 
 /// Checks the points of a table.
@@ -196,7 +172,6 @@ pub(super) fn points_of(
     path: Arguments,
     points: &[(f64, Vec<f64>)],
     what: &str,
-    timeless: bool,
     findings: &mut Findings,
 ) {
     if points.len() < 2 {
@@ -206,7 +181,7 @@ pub(super) fn points_of(
     let mut last = None;
     for (k, (s, values)) in points.iter().enumerate() {
         let first = format_args!("{path}[{k}][0]");
-        let sound = if timeless && findings.is_sure_of("analysis") {
+        let sound = if findings.is_timeless() && findings.is_sure_of("analysis") {
             let what = "the part of the stage that is done, 0 to 1, as the stage is static";
             findings.number(first, *s, |s| (0.0..=1.0).contains(&s), what)
         } else {

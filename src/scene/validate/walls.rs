@@ -9,11 +9,11 @@ use crate::scene::spans::join;
 
 use super::findings::Findings;
 use super::materials::{bond_of_wall, contact};
-use super::places::length;
 use super::references::index_exists;
-use super::{ASKEW, Context, thin_walls};
+use super::thin_walls;
 
-pub(super) fn check(context: &Context, findings: &mut Findings) {
+pub(super) fn check(findings: &mut Findings) {
+    let context = findings.context;
     let walls = &context.scene.walls;
     for (i, wall) in walls.iter().enumerate() {
         let start =
@@ -22,7 +22,7 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
         if start && end {
             thin_walls::shape(i, wall, findings);
         }
-        touching(context, i, wall, findings);
+        touching(i, wall, findings);
         contact(format_args!("walls[{i}].contact"), wall.contact, findings);
         bond_of_wall(format_args!("walls[{i}].bond"), wall.bond, findings);
     }
@@ -58,13 +58,12 @@ pub(super) fn check(context: &Context, findings: &mut Findings) {
     }
     let bodies = of_particles.chain(named).chain(of_walls);
     findings.unique("name of a probe", bodies.chain(made));
-    probes(context, particles, findings);
+    probes(particles, findings);
 }
 
 /// Checks a wall that comes at the outermost particles: a stage adds it, and it has an inside.
-fn touching(context: &Context, i: usize, wall: &Wall, findings: &mut Findings) {
-    let of_state = context.specimen.and_then(|stored| stored.state.as_ref());
-    if !wall.touching || of_state.is_some_and(|state| state.gives_walls) {
+fn touching(i: usize, wall: &Wall, findings: &mut Findings) {
+    if !wall.touching || findings.context.takes_walls() {
         return;
     }
     if wall.present {
@@ -80,12 +79,12 @@ fn touching(context: &Context, i: usize, wall: &Wall, findings: &mut Findings) {
 }
 
 /// Checks the particles that `probes` names: each has one name.
-fn probes(context: &Context, particles: &[Particle], findings: &mut Findings) {
+fn probes(particles: &[Particle], findings: &mut Findings) {
     let listed = particles.iter().zip(0..).filter_map(|(p, i)| Some((i, p.probe.as_deref()?)));
     let mut names: BTreeMap<u32, &str> = listed.collect();
-    for (name, index) in &context.scene.probes {
+    for (name, index) in &findings.context.scene.probes {
         let path = join("probes", name);
-        if !index_exists(context, format_args!("{path}"), *index, findings) {
+        if !index_exists(format_args!("{path}"), *index, findings) {
             continue;
         }
         if let Some(other) = names.insert(*index, name) {
@@ -93,13 +92,4 @@ fn probes(context: &Context, particles: &[Particle], findings: &mut Findings) {
             findings.add(format_args!("{path}"), message, "give it one name");
         }
     }
-}
-
-/// Whether two walls are parallel, with their insides towards each other. One without a length is
-/// an error of its own.
-pub(super) fn face(a: &Wall, b: &Wall) -> bool {
-    let along = |wall: &Wall| (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
-    let (t, u) = (along(a), along(b));
-    let lengths = length(a) * length(b);
-    !(lengths > 0.0 && (t.0 * u.0 + t.1 * u.1) / lengths > ASKEW - 1.0)
 }
