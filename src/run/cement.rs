@@ -63,9 +63,8 @@ pub(super) fn refusal(world: &mut World, stage: &Cement) -> Option<String> {
         };
         return is_empty.then(|| {
             format!(
-                "stage `{}` cannot begin: it would bond nothing: its length is {length:?} m, and {what}; \
-                 give a greater one, or cement when there is something to bond",
-                stage.name
+                "it would bond nothing: its length is {length:?} m, and {what}; give a greater one, or \
+                 cement when there is something to bond"
             )
         });
     }
@@ -74,9 +73,8 @@ pub(super) fn refusal(world: &mut World, stage: &Cement) -> Option<String> {
     let pairs = n * n.saturating_sub(1) / 2;
     (wanted > pairs).then(|| {
         format!(
-            "stage `{}` cannot begin: {wanted} bonds between {n} particles, which have {pairs} pairs; \
-             give a smaller `coordination`",
-            stage.name
+            "{wanted} bonds between {n} particles, which have {pairs} pairs; give a smaller \
+             `coordination`"
         )
     })
 }

@@ -114,10 +114,9 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
     let lowest = lowest_porosity(smallest / largest);
     (target < lowest).then(|| {
         format!(
-            "stage `{}` cannot begin: a porosity of {target:?} is below {lowest:.4}, the minimum of \
-             disks between {smallest:.3e} and {largest:.3e} m in radius in the plane (Florian 1960); \
-             random packings jam near 0.16",
-            stage.name
+            "a porosity of {target:?} is below {lowest:.4}, the minimum of disks between \
+             {smallest:.3e} and {largest:.3e} m in radius in the plane (Florian 1960); random \
+             packings jam near 0.16"
         )
     })
 }

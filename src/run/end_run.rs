@@ -17,8 +17,6 @@ pub(super) fn end_run(script: Res<Script>, mut end: ResMut<EndOfRun>) {
         ),
         Outcome::Undecided { message, .. } => (StoppedBy::Undecided, message.clone()),
         Outcome::Halted(message) => (StoppedBy::Halted, message.clone()),
-        Outcome::Refused { stage, message } => {
-            (StoppedBy::Refused, format!("stage `{stage}` cannot begin: {message}"))
-        }
+        Outcome::Refused { message, .. } => (StoppedBy::Refused, message.clone()),
     });
 }

@@ -41,12 +41,8 @@ pub(super) fn factor(world: &mut World, stage: &Compact, area: f64) -> Option<f6
 pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
     let mut bonds = world.query::<&BondState>();
     let is_bonded = bonds.iter(world).any(|state| *state == BondState::Intact);
-    (stage.by == CompactBy::Radii && is_bonded).then(|| {
-        format!(
-            "stage `{}` cannot begin: grains that are bonded cannot grow; compact before `Cement`",
-            stage.name
-        )
-    })
+    (stage.by == CompactBy::Radii && is_bonded)
+        .then(|| "grains that are bonded cannot grow; compact before `Cement`".to_owned())
 }
 
 /// Sets the radii of the tables to those at the end of the attempt. Exclusive, because it looks for

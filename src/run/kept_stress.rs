@@ -29,10 +29,9 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         let [Some(a), Some(b)] = names else { return None };
         let gone = [&a, &b].into_iter().find(|name| stage.remove_walls.contains(name))?;
         Some(format!(
-            "stage `{}` cannot begin: the stress that wall `{wall}` keeps acts on the distance of \
-             walls `{a}` and `{b}`, and remove_walls takes `{gone}` away; give it another control \
-             in this stage: `walls: {{ \"{wall}\": Fixed }}`",
-            stage.name
+            "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`, and \
+             remove_walls takes `{gone}` away; give it another control in this stage: \
+             `walls: {{ \"{wall}\": Fixed }}`"
         ))
     })
 }

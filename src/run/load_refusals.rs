@@ -19,10 +19,7 @@ use crate::scene::validate::is_behind;
 pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let k = stage.particles.iter().position(|c| selected(world, &c.select).is_empty())?;
     let (what, remedy) = why_empty(&stage.particles[k].select);
-    Some(format!(
-        "stage `{}` cannot begin: particles[{k}].select selects no particle: {what}; {remedy}",
-        stage.name
-    ))
+    Some(format!("particles[{k}].select selects no particle: {what}; {remedy}"))
 }
 
 /// An entry of `particles` that releases loads of particles which have none.
@@ -33,9 +30,8 @@ pub fn releases_nothing(world: &mut World, stage: &scene::Load) -> Option<String
         control.remains.is_some() && loads.all(|load| load.0.iter().all(|(_, now)| *now == 0.0))
     })?;
     Some(format!(
-        "stage `{}` cannot begin: particles[{k}].remains is for loads, and the selected particles have \
-         none; load them before (`Remove` with `keep_tractions: true`, `force`, `moment`)",
-        stage.name
+        "particles[{k}].remains is for loads, and the selected particles have none; load them before \
+         (`Remove` with `keep_tractions: true`, `force`, `moment`)"
     ))
 }
 
@@ -74,11 +70,7 @@ pub fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<Str
     let mut bonds = world.query::<&BondState>();
     let intact = bonds.iter(world).filter(|state| **state == BondState::Intact).count();
     (intact > 0).then(|| {
-        format!(
-            "stage `{}` cannot begin: `accuracy` is for stages without bonds, and there are \
-             {intact}; leave it out",
-            stage.name
-        )
+        format!("`accuracy` is for stages without bonds, and there are {intact}; leave it out")
     })
 }
 
@@ -103,9 +95,9 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     let (wall, particle) =
         walls.iter().zip(walls.iter().map(cut)).find_map(|(w, p)| Some((w, p?)))?;
     Some(format!(
-        "stage `{}` cannot begin: wall `{}` of add_walls would cut through particle {particle}, whose \
+        "wall `{}` of add_walls would cut through particle {particle}, whose \
          centre is within {CUT:?} radii of it; add it where there is room",
-        stage.name, wall.name
+        wall.name
     ))
 }
 
@@ -113,9 +105,9 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
 pub fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let wall = added(world, stage, true).into_iter().find(|wall| placed(world, wall).is_none())?;
     Some(format!(
-        "stage `{}` cannot begin: wall `{}` of add_walls is to touch the outermost particle, and meets \
+        "wall `{}` of add_walls is to touch the outermost particle, and meets \
          none on its way along its inward normal; draw it where particles are in its way",
-        stage.name, wall.name
+        wall.name
     ))
 }
 
@@ -131,8 +123,8 @@ pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
     })?;
     let number = if behind == 1 { "a particle".to_owned() } else { format!("{behind} particles") };
     Some(format!(
-        "stage `{}` cannot begin: wall `{}` of add_walls comes with {number} behind it; a wall has its \
+        "wall `{}` of add_walls comes with {number} behind it; a wall has its \
          inside on the left of start to end; exchange them, or take such particles away before (`Remove`)",
-        stage.name, wall.name
+        wall.name
     ))
 }

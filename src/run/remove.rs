@@ -32,7 +32,6 @@ pub fn remove(world: &mut World, stage: &Remove) {
 
 /// Why the particles cannot be taken away; `None` if they can.
 pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
-    let because = |what: String| Some(format!("stage `{}` cannot begin: {what}", stage.name));
     let cell = world.get_resource::<PeriodicCell>().filter(|_| stage.open_cell).copied();
     let place = |place: DVec2| cell.map_or(place, |cell| cell.wrapped(place));
     let ids: Vec<BodyId> =
@@ -41,7 +40,7 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
         && cell.tilt == 0.0
         && (low.0.min(low.1) < 0.0 || high.0 > cell.width || high.1 > cell.height)
     {
-        return because(format!(
+        return Some(format!(
             "what is left reaches from {low:?} to {high:?} m, and the cell from (0, 0) to ({:.4e}, {:.4e}) m; \
              cut within it, or give the packing more particles",
             cell.width, cell.height
@@ -49,16 +48,16 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
     }
     if ids.is_empty() && !stage.open_cell && !needs_forces(world, &stage.select) {
         let (what, remedy) = why_empty(&stage.select);
-        return because(format!("select selects no particle: {what}; {remedy}"));
+        return Some(format!("select selects no particle: {what}; {remedy}"));
     }
     if ids.len() == world.query::<&Particle>().iter(world).len() {
         let what = "select selects every particle, so that nothing is left; select fewer";
-        return because(what.to_owned());
+        return Some(what.to_owned());
     }
     if stage.keep_tractions
         && let Some(wall) = loosened_wall(world, &ids)
     {
-        return because(format!(
+        return Some(format!(
             "keep_tractions holds particles only, and select takes particles that carry the wall \
              `{wall}`; select none that touches it, or hold that wall, outside of rigid groups, in a loading stage before"
         ));
@@ -66,7 +65,7 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
     if stage.keep_tractions
         && let Some(membrane) = membrane_on(world, &ids)
     {
-        return because(format!(
+        return Some(format!(
             "keep_tractions does not hold a membrane, and select takes particles on which the membrane \
              `{membrane}` presses, which would then press on those behind them too; select others, or end \
              the membrane in a loading stage before (`remove_membranes`)"
@@ -78,7 +77,7 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
         Some((id.0, group.name.clone()))
     };
     let (id, group) = groups.iter(world).filter_map(member).min()?;
-    because(format!(
+    Some(format!(
         "select selects particle {id}, which is a member of the rigid group `{group}`; select others, \
          or release `{group}` in a loading stage before"
     ))

@@ -190,18 +190,15 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .filter(|group| !stage.release.contains(&group.name))
         .flat_map(|group| group.members.iter().map(|id| (*id, group.name.clone())))
         .collect();
-    let because = |name: &str, what: String| {
-        Some(format!("stage `{}` cannot begin: rigid.{name} {what}", stage.name))
-    };
+    let because = |name: &str, what: String| Some(format!("rigid.{name} {what}"));
     // Groups of a saved state are known here alone.
     let others = stage.remove_walls.iter().chain(stage.walls.keys());
     for name in others {
         let walls = walls_of(world, std::slice::from_ref(name));
         if let Some((_, group)) = taken.iter().find(|(id, _)| walls.iter().any(|w| w.0 == *id)) {
             return Some(format!(
-                "stage `{}` cannot begin: wall `{name}` is a member of the rigid group `{group}`; \
-                 control it by `rigid`, or release `{group}`",
-                stage.name
+                "wall `{name}` is a member of the rigid group `{group}`; control it by `rigid`, or \
+                 release `{group}`"
             ));
         }
     }
@@ -255,8 +252,7 @@ fn moving_pivot(world: &mut World, stage: &scene::Load) -> Option<String> {
     let made = made.map(|(name, control)| (name.clone(), is_held(control)));
     let (name, _) = kept.chain(made).find(|(_, is_held)| !is_held)?;
     Some(format!(
-        "stage `{}` cannot begin: the pivot of the rigid group `{name}` moves in a dynamic stage; \
-         hold its x and y, or make it without `about`",
-        stage.name
+        "the pivot of the rigid group `{name}` moves in a dynamic stage; hold its x and y, or make \
+         it without `about`"
     ))
 }

@@ -16,14 +16,13 @@ pub struct SavedStates(pub Vec<(String, Tables)>);
 
 /// Why the state cannot be kept: the last stage with increments collapsed, so that it is not the
 /// state that this stage was to reach.
-pub(super) fn refusal(world: &World, stage: &Save) -> Option<String> {
+pub(super) fn refusal(world: &World) -> Option<String> {
     let ends = &world.resource::<Script>().ends;
     let last = ends.iter().rfind(|end| end.rows > 0)?;
     (last.ended_by == Some(EndedBy::Collapse)).then(|| {
         format!(
-            "stage {} cannot begin: the specimen collapsed in stage {}, so that its state is not the \
-             one to be kept; end this stage before the collapse (`final_state.npz` has the state)",
-            label(&stage.name),
+            "the specimen collapsed in stage {}, so that its state is not the one to be kept; end \
+             this stage before the collapse (`final_state.npz` has the state)",
             label(&last.stage)
         )
     })

@@ -42,14 +42,11 @@ impl StageKinds {
 
     /// Why a stage cannot begin; `None` if a plugin provides its kind.
     pub fn refusal(&self, stage: &CustomStage) -> Option<String> {
-        let CustomStage { name, kind, .. } = stage;
+        let CustomStage { kind, .. } = stage;
         (!self.0.contains(kind.as_str())).then(|| {
             let known: Vec<_> = self.0.iter().copied().collect();
             let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            format!(
-                "stage `{name}` cannot begin: no plugin of this program provides the kind `{kind}`; it \
-                 provides {known}"
-            )
+            format!("no plugin of this program provides the kind `{kind}`; it provides {known}")
         })
     }
 }

@@ -39,37 +39,35 @@ pub fn change_stages(world: &mut World) {
             world.resource_mut::<Script>().outcome = Some(outcome);
             break false;
         };
-        if let Stage::Custom(custom) = &stage
-            && let Some(message) = world.resource::<StageKinds>().refusal(custom)
-        {
-            // This also applies in the middle of the stage, because a resumed run may lack the
-            // plugin.
-            let stage = custom.name.clone();
-            world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
-            break false;
-        }
-        if let Some(message) = world.resource::<MeasureKinds>().refusal(&script.scene) {
+        // A stage is refused before it changes anything, so that a resumed run with a corrected
+        // stage begins it anew.
+        let begun = script.begun;
+        let why = lacks_plugin(world, &stage)
+            .or_else(|| if begun { None } else { refusal(world, &stage) });
+        if let Some(why) = why {
             let stage = stage.name().to_owned();
+            let message = format!("stage `{stage}` cannot begin: {why}");
             world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
             break false;
         }
-        if !script.begun {
-            // A stage is refused before it changes anything, so that a resumed run with a corrected
-            // stage begins it anew.
-            if let Some(message) = refusal(world, &stage) {
-                let stage = stage.name().to_owned();
-                world.resource_mut::<Script>().outcome = Some(Outcome::Refused { stage, message });
-                break false;
-            }
+        if !begun {
             begin(world, stage);
             continue;
         }
-        if !progress.is_over() {
+        if !world.resource::<ClasticProgress>().is_over() {
             break true;
         }
         end(world, stage);
     };
     world.insert_resource(IncrementDue(due));
+}
+
+/// A kind of stage or of measure that no plugin provides. This may come in the middle of a stage,
+/// because a resumed run may lack the plugin.
+fn lacks_plugin(world: &World, stage: &Stage) -> Option<String> {
+    let kinds = world.resource::<StageKinds>();
+    let kind = if let Stage::Custom(custom) = stage { kinds.refusal(custom) } else { None };
+    kind.or_else(|| world.resource::<MeasureKinds>().refusal(&world.resource::<Script>().scene))
 }
 
 /// Why a stage cannot begin.
@@ -81,7 +79,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Compact(stage) => {
             grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
         }
-        Stage::Save(stage) => save::refusal(world, stage),
+        Stage::Save(_) => save::refusal(world),
         Stage::Cement(stage) => cement::refusal(world, stage),
         Stage::Custom(_) => None,
     }
