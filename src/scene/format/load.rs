@@ -37,7 +37,7 @@ impl Scale {
 }
 
 /// See [`Stage::Load`](super::Stage::Load).
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
     /// Name.

@@ -96,104 +96,82 @@ impl Rate {
     }
 }
 
-/// The stage as written.
-#[derive(Clone, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, rename = "Pour")]
-struct Fields {
-    name: String,
-    increments: u32,
-    through: Opening,
-    rate: Rate,
-    sizes: Sizes,
-    seed: u64,
-    #[serde(default)]
-    material: Option<String>,
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
-    minerals: BTreeMap<String, f64>,
-    #[serde(default)]
-    velocity: (f64, f64),
-    #[serde(default)]
-    group: Option<String>,
-    #[serde(default)]
-    analysis: Option<Analysis>,
-    #[serde(default)]
-    gravity: Option<(f64, f64)>,
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
-    walls: BTreeMap<String, WallControl>,
-    #[serde(default)]
-    remove_walls: Vec<String>,
-    #[serde(default)]
-    add_walls: Vec<String>,
-    #[serde(default)]
-    particles: Vec<ParticleControl>,
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
-    rigid: BTreeMap<String, RigidControl>,
-    #[serde(default)]
-    release: Vec<String>,
-    #[serde(default)]
-    stop: Vec<Stop>,
-    #[serde(default)]
-    record: Record,
-}
-
-impl From<Fields> for Pour {
-    fn from(of: Fields) -> Self {
-        let stream = Stream {
-            through: of.through,
-            rate: of.rate,
-            sizes: of.sizes,
-            seed: of.seed,
-            material: of.material,
-            minerals: of.minerals,
-            velocity: of.velocity,
-            group: of.group,
-        };
-        let load = Load {
-            scale: super::Scale::default(),
-            name: of.name,
-            increments: of.increments,
-            analysis: of.analysis,
-            gravity: of.gravity,
-            walls: of.walls,
-            remove_walls: of.remove_walls,
-            add_walls: of.add_walls,
-            particles: of.particles,
-            rigid: of.rigid,
-            release: of.release,
-            membranes: BTreeMap::new(),
-            remove_membranes: Vec::new(),
-            cell: None,
-            accuracy: None,
-            stop: of.stop,
-            record: of.record,
-        };
-        Self { stream, load }
-    }
-}
-
-impl From<Pour> for Fields {
-    fn from(Pour { stream, load }: Pour) -> Self {
-        Self {
-            name: load.name,
-            increments: load.increments,
-            through: stream.through,
-            rate: stream.rate,
-            sizes: stream.sizes,
-            seed: stream.seed,
-            material: stream.material,
-            minerals: stream.minerals,
-            velocity: stream.velocity,
-            group: stream.group,
-            analysis: load.analysis,
-            gravity: load.gravity,
-            walls: load.walls,
-            remove_walls: load.remove_walls,
-            add_walls: load.add_walls,
-            particles: load.particles,
-            rigid: load.rigid,
-            release: load.release,
-            stop: load.stop,
-            record: load.record,
+/// Declares the stage as written, whose fields are those of its parts: first and last some of the
+/// load, and those of the stream between.
+macro_rules! as_written {
+    (
+        load { $($(#[$a:meta])* $first:ident: $first_type:ty,)* }
+        stream { $($(#[$b:meta])* $grain:ident: $grain_type:ty,)* }
+        load { $($(#[$c:meta])* $last:ident: $last_type:ty,)* }
+    ) => {
+        #[derive(Clone, Deserialize, Serialize)]
+        #[serde(deny_unknown_fields, rename = "Pour")]
+        struct Fields {
+            $($(#[$a])* $first: $first_type,)*
+            $($(#[$b])* $grain: $grain_type,)*
+            $($(#[$c])* $last: $last_type,)*
         }
+
+        impl From<Fields> for Pour {
+            fn from(of: Fields) -> Self {
+                Self {
+                    stream: Stream { $($grain: of.$grain,)* },
+                    load: Load { $($first: of.$first,)* $($last: of.$last,)* ..Load::default() },
+                }
+            }
+        }
+
+        impl From<Pour> for Fields {
+            fn from(Pour { stream, load }: Pour) -> Self {
+                Self {
+                    $($first: load.$first,)*
+                    $($grain: stream.$grain,)*
+                    $($last: load.$last,)*
+                }
+            }
+        }
+    };
+}
+
+as_written! {
+    load {
+        name: String,
+        increments: u32,
+    }
+    stream {
+        through: Opening,
+        rate: Rate,
+        sizes: Sizes,
+        seed: u64,
+        #[serde(default)]
+        material: Option<String>,
+        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        minerals: BTreeMap<String, f64>,
+        #[serde(default)]
+        velocity: (f64, f64),
+        #[serde(default)]
+        group: Option<String>,
+    }
+    load {
+        #[serde(default)]
+        analysis: Option<Analysis>,
+        #[serde(default)]
+        gravity: Option<(f64, f64)>,
+        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        walls: BTreeMap<String, WallControl>,
+        #[serde(default)]
+        remove_walls: Vec<String>,
+        #[serde(default)]
+        add_walls: Vec<String>,
+        #[serde(default)]
+        particles: Vec<ParticleControl>,
+        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        rigid: BTreeMap<String, RigidControl>,
+        #[serde(default)]
+        release: Vec<String>,
+        #[serde(default)]
+        stop: Vec<Stop>,
+        #[serde(default)]
+        record: Record,
     }
 }
