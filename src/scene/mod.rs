@@ -28,7 +28,7 @@ mod stored;
 pub mod stored_state;
 #[cfg(test)]
 mod tests;
-mod unique_keys;
+pub(crate) mod unique_keys;
 pub mod validate;
 mod values;
 

@@ -284,7 +284,7 @@ mod tests {
             (r#"Grid({ "mu": [0.2, 0.2] })"#, "run 2 (mu 0.2) is the same as run 1"),
             (r#"Grid({ "mu": [] })"#, "runs: there are none"),
             (r#"Grid({ "thickness": [1.0] })"#, "no run has `mu`"),
-            (r#"List([{ "mu": 1.0, "mu": 2.0 }])"#, "`mu` stands twice"),
+            (r#"List([{ "mu": 1.0, "mu": 2.0 }])"#, "`mu` is given twice"),
             (r#"Grit({ "mu": [0.2] })"#, "study.ron:1:"),
         ] {
             let found = planned(runs).err().unwrap_or_default();
