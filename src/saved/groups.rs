@@ -1,16 +1,14 @@
 //! The rigid groups of a saved state.
 
 use clastic_components::body::{
-    BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation,
-    LastMotion, LoadControl, Probe, Ramp,
+    BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation, LastMotion, Probe,
 };
-use clastic_components::increment::ClasticProgress;
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
-use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
 
 use super::SavedError;
 use super::columns::{add, add_motions, bad, each, finite, identities, none_of, of, some};
+use super::controls;
 use crate::tables::{Array, Tables};
 
 pub(super) const ENTRIES: [&str; 2] = ["contact_force", ENTRY];
@@ -55,7 +53,6 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     }
     let ids: Vec<_> = groups.iter().map(|(id, _)| *id).collect();
     let ids = ids.as_slice();
-    let progress: ClasticProgress = state.get(PROGRESS)?;
     tables.put("rigid.id", Array::u32(ids.iter().map(|id| id.0).collect()));
     tables.put("rigid.name", Array::text(groups.iter().map(|(_, group)| group.name.clone())));
     tables.put("rigid.has_pivot", Array::bool(groups.iter().map(|(_, g)| g.has_pivot).collect()));
@@ -78,24 +75,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     tables.put("rigid.external_force", Array::vectors(forces.iter().map(|f| f.0)));
     let forces = each::<ContactForce>(state, "contact_force", ids)?;
     tables.put("rigid.contact_force", Array::vectors(forces.iter().map(|f| f.0)));
-    let loads = each::<LoadControl>(state, "load_control", ids)?;
-    tables.put("rigid.load_from", Array::vectors(loads.iter().map(|l| l.0.map(|l| l.0))));
-    // A load stays at what it has reached.
-    let reached = |(from, to): (f64, f64)| progress.ramp(from, to).from;
-    tables.put("rigid.load_to", Array::vectors(loads.iter().map(|l| l.0.map(reached))));
-    let applied = each::<[Ramp; 3]>(state, "applied_load", ids)?;
-    let ends = |of: fn(Ramp) -> f64| Array::vectors(applied.iter().map(move |l| l.map(of)));
-    tables.put("rigid.applied_from", ends(|load| load.from));
-    tables.put("rigid.applied_to", ends(|load| load.to));
-    let drives = each::<BodyDrives>(state, "drives", ids)?;
-    let imposed = |drive: BodyDrive| match drive {
-        BodyDrive::Free => None,
-        BodyDrive::Imposed(u) => Some(u),
-    };
-    let flags = drives.iter().map(|d| d.0.map(|drive| imposed(drive).is_some()));
-    tables.put("rigid.imposed", Array::flags(flags));
-    let values = drives.iter().map(|d| d.0.map(|drive| imposed(drive).unwrap_or_default()));
-    tables.put("rigid.imposed_motion", Array::vectors(values));
+    controls::write(state, "rigid", ids, tables)?;
     let probes = of::<Probe>(state, "probe", ids)?.into_iter();
     let probes = probes.map(|probe| probe.map(|probe| probe.0).unwrap_or_default());
     tables.put("rigid.probe", Array::text(probes));
@@ -137,22 +117,7 @@ pub(super) fn read(
     add_motions(state, ids, motions, forces)?;
     let forces = triples("rigid.contact_force")?;
     add(state, "contact_force", ids, forces.into_iter().map(|f| Some(ContactForce(f))))?;
-    let loads = triples("rigid.load_from")?.into_iter().zip(triples("rigid.load_to")?);
-    let loads = loads.map(|(from, to)| Some(LoadControl([0, 1, 2].map(|k| (from[k], to[k])))));
-    add(state, "load_control", ids, loads)?;
-    let applied = triples("rigid.applied_from")?.into_iter();
-    let applied = applied
-        .zip(triples("rigid.applied_to")?)
-        .map(|(from, to)| Some([0, 1, 2].map(|k| Ramp { from: from[k], to: to[k] })));
-    add(state, "applied_load", ids, applied)?;
-    let flags = tables.bool("rigid.imposed", &[n, 3])?.as_chunks::<3>().0;
-    let drives = flags.iter().zip(triples("rigid.imposed_motion")?).map(|(imposed, value)| {
-        Some(BodyDrives([0, 1, 2].map(|k| match imposed[k] {
-            true => BodyDrive::Imposed(value[k]),
-            false => BodyDrive::Free,
-        })))
-    });
-    add(state, "drives", ids, drives)?;
+    controls::read(tables, "rigid", ids, state)?;
     let probes = tables.text("rigid.probe", &[n])?;
     add(state, "probe", ids, probes.iter().map(|probe| some(probe).map(Probe)))?;
     Ok(())

@@ -10,6 +10,7 @@ mod bonds;
 pub(crate) mod cell;
 mod columns;
 mod contacts;
+mod controls;
 mod groups;
 mod membranes;
 mod particles;

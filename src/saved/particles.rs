@@ -1,17 +1,16 @@
 //! The particles of a saved state.
 
 use clastic_components::body::{
-    BodyAngularVelocity, BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
-    BodyPosition, BodyRotation, BodyVelocity, Group, LastMotion, LoadControl, Probe, Ramp,
+    BodyAngularVelocity, BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation,
+    BodyVelocity, Group, LastMotion, Probe,
 };
-use clastic_components::increment::ClasticProgress;
 use clastic_components::particle::{MaterialIndex, Particle, SetAside, Swinging};
-use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::WorldState;
 use glam::DVec2;
 
 use super::SavedError;
 use super::columns::{add, add_motions, bad, each, finite, identities, of, some};
+use super::controls;
 use crate::tables::{Array, Tables};
 
 pub(super) const ENTRIES: [&str; 16] = [
@@ -59,7 +58,6 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     let particles = state.components::<BodyId, Particle>("particle")?;
     let ids: Vec<_> = particles.iter().map(|(id, _)| *id).collect();
     let ids = ids.as_slice();
-    let progress: ClasticProgress = state.get(PROGRESS)?;
     tables.put("particles.id", Array::u32(ids.iter().map(|id| id.0).collect()));
     let positions = each::<BodyPosition>(state, "position", ids)?;
     tables.put("particles.position_m", Array::vectors(positions.iter().map(|x| x.0.to_array())));
@@ -88,24 +86,7 @@ pub(super) fn write(state: &WorldState, tables: &mut Tables) -> Result<(), Saved
     tables.put("particles.last_motion", Array::vectors(motions.iter().map(|u| u.0)));
     let forces = each::<BodyExternalForce>(state, "external_force", ids)?;
     tables.put("particles.external_force", Array::vectors(forces.iter().map(|f| f.0)));
-    let loads = each::<LoadControl>(state, "load_control", ids)?;
-    tables.put("particles.load_from", Array::vectors(loads.iter().map(|l| l.0.map(|l| l.0))));
-    // A load stays at what it has reached.
-    let reached = |(from, to): (f64, f64)| progress.ramp(from, to).from;
-    tables.put("particles.load_to", Array::vectors(loads.iter().map(|l| l.0.map(reached))));
-    let applied = each::<[Ramp; 3]>(state, "applied_load", ids)?;
-    let ends = |of: fn(Ramp) -> f64| Array::vectors(applied.iter().map(move |l| l.map(of)));
-    tables.put("particles.applied_from", ends(|load| load.from));
-    tables.put("particles.applied_to", ends(|load| load.to));
-    let drives = each::<BodyDrives>(state, "drives", ids)?;
-    let imposed = |drive: BodyDrive| match drive {
-        BodyDrive::Free => None,
-        BodyDrive::Imposed(u) => Some(u),
-    };
-    let flags = drives.iter().map(|d| d.0.map(|drive| imposed(drive).is_some()));
-    tables.put("particles.imposed", Array::flags(flags));
-    let values = drives.iter().map(|d| d.0.map(|drive| imposed(drive).unwrap_or_default()));
-    tables.put("particles.imposed_motion", Array::vectors(values));
+    controls::write(state, "particles", ids, tables)?;
     let swinging = of::<Swinging>(state, "swinging", ids)?;
     tables.put("particles.swinging", Array::bool(swinging.iter().map(Option::is_some).collect()));
     let aside = of::<SetAside>(state, "set_aside", ids)?;
@@ -164,22 +145,7 @@ pub(super) fn read(
     let (motions, forces) =
         (triples("particles.last_motion")?, triples("particles.external_force")?);
     add_motions(state, ids, motions, forces)?;
-    let loads = triples("particles.load_from")?.into_iter().zip(triples("particles.load_to")?);
-    let loads = loads.map(|(from, to)| Some(LoadControl([0, 1, 2].map(|k| (from[k], to[k])))));
-    add(state, "load_control", ids, loads)?;
-    let applied = triples("particles.applied_from")?.into_iter();
-    let applied = applied
-        .zip(triples("particles.applied_to")?)
-        .map(|(from, to)| Some([0, 1, 2].map(|k| Ramp { from: from[k], to: to[k] })));
-    add(state, "applied_load", ids, applied)?;
-    let flags = tables.bool("particles.imposed", &[n, 3])?.as_chunks::<3>().0;
-    let drives = flags.iter().zip(triples("particles.imposed_motion")?).map(|(imposed, value)| {
-        Some(BodyDrives([0, 1, 2].map(|k| match imposed[k] {
-            true => BodyDrive::Imposed(value[k]),
-            false => BodyDrive::Free,
-        })))
-    });
-    add(state, "drives", ids, drives)?;
+    controls::read(tables, "particles", ids, state)?;
     let swinging = tables.bool("particles.swinging", &[n])?;
     add(state, "swinging", ids, swinging.iter().map(|swings| swings.then_some(Swinging)))?;
     if tables.has(SET_ASIDE) {
