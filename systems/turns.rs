@@ -70,6 +70,7 @@ pub fn too_far(
 }
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.
+/// Grains with an imposed motion do not count.
 #[must_use]
 pub fn of_loaded(
     bodies: &BodyTable,
@@ -78,7 +79,8 @@ pub fn of_loaded(
     solution: &ConeSolution,
 ) -> f64 {
     let pairs = of_pairs(bodies, contacts, program, solution, |k| program.interactions[k].normal);
-    pairs.loaded.into_iter().flatten().fold(0.0, f64::max)
+    let of_free = (0..bodies.particles).filter(|i| !is_imposed(bodies, *i));
+    of_free.filter_map(|i| pairs.loaded[i]).fold(0.0, f64::max)
 }
 
 /// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the

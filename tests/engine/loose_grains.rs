@@ -35,7 +35,8 @@ fn watch_throws(
     mut throws: ResMut<Throws>,
 ) {
     let before = std::mem::replace(&mut throws.added, pairs.0.len());
-    let far = furthest(&bodies, &contacts, &program, &solution).map_or(0.0, |(_, turn)| turn);
+    let far =
+        furthest(&bodies, &contacts, &program, &solution, false).map_or(0.0, |(_, turn)| turn);
     // The mechanism of a collapse shows pairs near by.
     if attempt.effort().is_some() && solution.certificate.is_none() && far > 5.0 {
         throws.seen += 1;

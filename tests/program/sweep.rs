@@ -51,6 +51,8 @@ fn a_sweep_has_a_row_and_a_curve_per_run_and_repeats_none() {
     assert_eq!(rows.len(), 7, "{first}");
     assert!(rows[0].starts_with("run,strength,stages.pull.increments,status,marks,"), "{first}");
     assert!(rows[1].contains(",1.0e3,150,completed,,"), "{first}");
+    let page = fs::read_to_string(folder.path().join("out/report.html")).unwrap();
+    assert!(page.contains("strength 1.0e3"), "the page lacks a run");
     let record = |row: &str| {
         let name = row.split(',').next().unwrap();
         folder.path().join("out").join(name).join("run.json")

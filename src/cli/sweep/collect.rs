@@ -1,4 +1,4 @@
-//! The results of a sweep as tables.
+//! The results of a sweep as tables and as a page.
 
 use std::fs::{File, OpenOptions};
 use std::path::Path;
@@ -6,7 +6,11 @@ use std::path::Path;
 use crate::output::OutputError;
 use crate::output::directory;
 use crate::output::marks::marks;
+#[cfg(feature = "report")]
+use crate::output::report;
 use crate::scene::shown::label;
+#[cfg(feature = "report")]
+use crate::study::PlannedRun;
 use crate::study::{means, table};
 
 use super::Sweep;
@@ -18,7 +22,7 @@ const MEANS: &str = "study_means.csv";
 /// Lock of the two tables.
 const LOCK: &str = "study.lock";
 
-/// Writes the tables, and prints how many runs can be trusted. Runs that failed are rows with marks.
+/// Writes the tables and the page, and prints how many runs can be trusted. Runs that failed are rows with marks.
 pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let Sweep { plan, folder, .. } = sweep;
     // Two sweeps in one folder may end at the same moment: one writes after the other.
@@ -29,6 +33,7 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     say(label(&sweep.title))?;
     say(format_args!("written: {}", path.display()))?;
     average(sweep, &records)?;
+    draw(sweep, &records)?;
     let mut marked = 0;
     let mut missing = 0;
     for (run, record) in plan.runs.iter().zip(&records) {
@@ -95,6 +100,26 @@ fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> 
         };
         say(format_args!("  {}: {stress}, {} runs{marked}", label.join(", "), group.runs))?;
     }
+    Ok(())
+}
+
+/// Writes the page with the curves of the runs that were made.
+#[cfg(feature = "report")]
+fn draw(Sweep { plan, folder, .. }: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
+    let made = plan.runs.iter().zip(records).filter(|(_, record)| !record.is_null());
+    let named = |run: &PlannedRun| (run.label(&plan.names), folder.join(&run.directory));
+    let runs: Vec<_> = made.map(|(run, _)| named(run)).collect();
+    let path = folder.join(directory::REPORT);
+    if runs.is_empty() {
+        // The page may come from an earlier sweep of other runs.
+        return Ok(directory::remove_if_there(&path)?);
+    }
+    report::write(&runs, &path)?;
+    say(format_args!("written: {}", path.display()))
+}
+
+#[cfg(not(feature = "report"))]
+fn draw(_: &Sweep, _: &[serde_json::Value]) -> Result<(), Failure> {
     Ok(())
 }
 
