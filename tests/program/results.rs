@@ -40,15 +40,15 @@ fn a_collapse_is_a_result() {
 #[test]
 fn the_record_has_the_friction_law_of_each_kind_of_stage() {
     let short = ["--set", "stages.drop.increments=2"];
-    let elastic = ["--set", "materials.stone.contact=(normal_stiffness: 1.0e6)"];
+    let associated = ["--set", "friction_law=Associated"];
     let law = |settings: &[&str]| {
         let (ended, out) = run("bounce", settings);
         ended.code(0);
         json(out.path(), "run.json")["settings"]["friction"].clone()
     };
     let of = |dynamic: &str| serde_json::json!({ "static": "associated", "dynamic": dynamic });
-    assert_eq!(law(&short), of("associated"));
-    assert_eq!(law(&[short, elastic].concat()), of("Coulomb"));
+    assert_eq!(law(&short), of("Coulomb"));
+    assert_eq!(law(&[short, associated].concat()), of("associated"));
 }
 
 /// Of a test of one bond without a stress: the strength of the bond by hand, as in the comments of
