@@ -63,8 +63,8 @@ pub struct StageEnd {
     pub rows: u64,
     /// Number of these with the status `capped`.
     pub capped: u64,
-    /// Number of these whose end is out of balance because [passes](clastic_systems::attempt::ending) found
-    /// none: `geometry` in their `caps`.
+    /// Number of these whose end is out of balance because
+    /// [passes](clastic_systems::attempt::ending) found none: `geometry` in their `caps`.
     pub unbalanced: u64,
     /// Number of particles that are [set aside](clastic_components::particle::SetAside) after its last
     /// increment.
@@ -81,9 +81,9 @@ pub struct StageEnd {
 }
 
 impl StageEnd {
-    /// Warning about capped increments and those out of balance, about a measure that has passed the value on which it
-    /// should land, about stop conditions that never held, and about particles that are set aside;
-    /// `None` if the stage has none of them.
+    /// Warning about capped increments and those out of balance, about a measure that has passed
+    /// the value on which it should land, about stop conditions that never held, and about
+    /// particles that are set aside; `None` if the stage has none of them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let all = [

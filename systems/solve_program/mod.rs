@@ -135,12 +135,10 @@ pub fn solve_program(
 ) {
     let tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
     let is_sliding = sliding::law_of(&law, &analysis, &attempt, &finding).is_some();
-    let mut solve = |program: &ConeProgram| match is_sliding
-        .then(|| Coulomb::sweep(program, solver.0.memory()))
-    {
-        // `solve_sliding` needs no associated solution then.
-        Some(Some(start)) => Ok(start),
-        _ => solver.0.solve(program, tolerance),
+    let mut solve = |program: &ConeProgram| {
+        // `solve_sliding` needs no associated solution after sweeps.
+        let start = is_sliding.then(|| Coulomb::sweep(program, solver.0.memory())).flatten();
+        start.map_or_else(|| solver.0.solve(program, tolerance), Ok)
     };
     *solution = match check(&program).and_then(|()| solve(&program)) {
         Ok(solution) => solution,

@@ -310,19 +310,26 @@ fn of_engine(program: &ConeProgram) -> Option<Found> {
     Some(Found { forces, displacements: u })
 }
 
+/// Number of covering vectors, and of those where none of their paths ends at the engine's motion.
+const COVERS: usize = 5;
+const MORE_COVERS: usize = 400;
+
 /// Maximum error of an answer of Lemke's method.
 const ANSWER: f64 = 1e-11;
 
-/// Solutions of Lemke's method for covering vectors of ones and of four random ones, and whether
-/// all paths ended.
-fn all_pivoted(program: &ConeProgram) -> Option<Vec<Found>> {
+/// Solutions of Lemke's method for covering vectors of ones and of random numbers.
+fn all_pivoted(program: &ConeProgram, covers: usize) -> Option<Vec<Found>> {
     let problem = problem(program)?;
     let r = &mut Random(ChaCha8Rng::seed_from_u64(1));
-    let of = |k: usize, r: &mut Random| if k == 0 { 1.0 } else { r.between(0.2, 2.0) };
+    let of = |k: usize, r: &mut Random| match k {
+        0 => 1.0,
+        1..COVERS => r.between(0.2, 2.0),
+        _ => 10_f64.powf(r.between(-2.0, 2.0)),
+    };
     let cover = |k: usize, r: &mut Random| -> Vec<f64> {
         (0..problem.pairs.len()).map(|_| of(k, r)).collect()
     };
-    let covers: Vec<Vec<f64>> = (0..5).map(|k| cover(k, r)).collect();
+    let covers: Vec<Vec<f64>> = (0..covers).map(|k| cover(k, r)).collect();
     let found = covers.iter().filter_map(|cover| pivoted(program, &problem, cover));
     // Pivots of very different size may end at a wrong basis: an answer must fulfil the law.
     Some(found.filter(|found| error(program, found) < ANSWER).collect())
@@ -336,7 +343,7 @@ fn pivots_end_at_enumerated_solutions() {
         for seed in 0..200 {
             let program = random(seed, dynamic);
             let Some(all) = solutions(&program) else { continue };
-            let found = all_pivoted(&program).unwrap();
+            let found = all_pivoted(&program, COVERS).unwrap();
             assert!(!all.is_empty() || found.is_empty(), "seed {seed}");
             missed += usize::from(!all.is_empty() && found.is_empty());
             for found in &found {
@@ -364,9 +371,8 @@ struct Count {
     /// Of those solved by both: the motions of all covering vectors agree, so that the solution
     /// seems unique.
     unique: usize,
-    /// Of these, if the engine has that motion: maximum difference of the motions.
+    /// Of these: maximum difference of the motions, and errors of pivoting and engine.
     apart: f64,
-    /// Maximum errors of the law, of pivoting and engine.
     errors: [f64; 2],
     /// Contacts of the largest program.
     contacts: usize,
@@ -377,8 +383,16 @@ struct Count {
 fn compare(programs: impl Iterator<Item = (String, ConeProgram)>) -> Count {
     let mut count = Count::default();
     for (name, program) in programs {
-        let Some(all) = all_pivoted(&program) else { continue };
+        let Some(mut all) = all_pivoted(&program, COVERS) else { continue };
         let engine = of_engine(&program);
+        let has = |all: &[Found], engine: &Found| {
+            all.iter().any(|found| difference(found, engine)[0] <= 1e-5)
+        };
+        if let Some(engine) = engine.as_ref().filter(|engine| !all.is_empty() && !has(&all, engine))
+        {
+            println!("{name}: error of the engine {:.1e}", error(&program, engine));
+            all = all_pivoted(&program, MORE_COVERS).unwrap_or_default();
+        }
         count.programs += 1;
         count.contacts = count.contacts.max(program.interactions.len());
         count.solved[0] += usize::from(!all.is_empty());
@@ -399,19 +413,16 @@ fn compare(programs: impl Iterator<Item = (String, ConeProgram)>) -> Count {
         let nearest = all.iter().map(|found| difference(found, &engine)[0]);
         let nearest = nearest.fold(f64::INFINITY, f64::min);
         println!(
-            "{name}: {} contacts, Lemke {} of 5, spread {spread:.1e}, engine off {nearest:.1e}, errors {errors:.1e} {:.1e}",
+            "{name}: {} contacts, Lemke {}, spread {spread:.1e}, engine off {nearest:.1e}, errors {errors:.1e} {:.1e}",
             program.interactions.len(),
             all.len(),
             error(&program, &engine)
         );
         if spread < 1e-7 {
             count.unique += 1;
-        }
-        if nearest > 1e-5 {
-            count.other += 1;
-        } else if spread < 1e-7 {
             count.apart = count.apart.max(nearest);
         }
+        count.other += usize::from(nearest > 1e-5);
     }
     println!("{count:?}");
     count
@@ -452,18 +463,18 @@ fn randomised(dynamic: bool) -> impl Iterator<Item = (String, ConeProgram)> {
     })
 }
 
-/// Every time step is solved by both, and fulfils the law. Time steps of rigid disks may have several
-/// solutions: in one of twenty the engine may have another motion than all paths of pivots.
+/// Every time step is solved by both. Where all paths of pivots end at one motion, that of the
+/// engine is the same; where they end at several, it is one of these in all programs but one.
 #[test]
 fn time_steps_are_those_of_lemke() {
     let random = compare(randomised(true));
     assert_eq!(random.solved, [40; 3], "{random:?}");
-    assert!(random.other <= random.programs / 20, "{random:?}");
+    assert!(random.unique == random.programs && random.apart < 1e-7, "{random:?}");
     let falling = compare(of_scene(&FALL));
     assert!(falling.programs >= 20 && falling.contacts <= 30, "{falling:?}");
     assert_eq!(falling.solved, [falling.programs; 3], "{falling:?}");
     assert!(falling.unique >= 20 && falling.apart < 1e-7, "{falling:?}");
-    assert!(falling.other <= falling.programs / 20, "{falling:?}");
+    assert!(random.other + falling.other <= 1, "{random:?} {falling:?}");
     assert!(random.errors[1].max(falling.errors[1]) < 1e-9, "{random:?} {falling:?}");
 }
 

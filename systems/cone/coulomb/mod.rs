@@ -32,9 +32,6 @@ use super::condensed::sweeps::sweep;
 use super::condensed::warm::last_forces;
 use super::residuals::{applied_force, choose_displacements, natural_map};
 
-/// Relative round-off of a force at its limit.
-const ROUND_OFF: f64 = 1e-12;
-
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
@@ -98,12 +95,8 @@ impl Coulomb {
         let (s, _) = sweep(&scaled, law, &last_forces(program));
         let (_, df) = program.scales.units();
         let forces: Vec<_> = s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect();
-        let slides = program.interactions.iter().zip(&forces).any(|(c, [p, q, tau])| {
-            let is_at = |force: &f64, slope: f64| {
-                slope > 0.0 && force.abs() >= (1.0 - ROUND_OFF) * slope * p
-            };
-            *p > 0.0 && (is_at(q, c.limits.friction) || is_at(tau, c.limits.rolling))
-        });
+        let mut closed = program.interactions.iter().zip(&forces).filter(|(_, f)| f[0] > 0.0);
+        let slides = closed.any(|(c, f)| c.limits.slides(f) || c.limits.rolls(f));
         let displacements = program.imposed();
         let mut start = ConeSolution { law, forces, displacements, ..ConeSolution::default() };
         program.displacements_from_forces(&mut start);
