@@ -7,6 +7,7 @@ use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
 use crate::bond::Rupture;
+use crate::contact::Contact;
 use clastic_cone::program::Residuals;
 
 /// Sorted pairs that pruned detection left out and that a solution closed.
@@ -119,6 +120,9 @@ pub struct Correction {
     /// Motion across the normal at the guess, m, at which a [tie](crate::findings::Restraints) of
     /// the pair has no force.
     pub tie: f64,
+    /// Gap, m, by which an elastic contact is further apart in a time step than on the line from its gap
+    /// at the start to that at the end, measured by the mean force: it closes, opens or turns.
+    pub lag: f64,
 }
 
 /// The geometry about the end of the increment, and how far from it the last solution is.
@@ -184,6 +188,14 @@ impl Corrections {
         self.list.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.list[k])
     }
 
+    /// What the corrections add to the offset of a contact, m: by the geometry about the end, and the
+    /// [lag](Correction::lag).
+    #[must_use]
+    pub fn shift(&self, contact: &Contact) -> [f64; 2] {
+        let of = self.of((contact.a, contact.b));
+        of.map_or([0.0; 2], |c| [c.offset - contact.gap, c.lag])
+    }
+
     /// Force that the geometry about the end adds to the initial shear force of an interaction, N. `compliance`
     /// is the tangential compliance in the program, m/N.
     #[must_use]
@@ -217,10 +229,26 @@ pub struct Impact {
 pub struct Impacts {
     /// Impacts of bodies that touch no other body, in ascending order of the interactions.
     pub single: Vec<Impact>,
+    /// Interactions with an impact, `single` ones included, in ascending order.
+    pub hit: Vec<usize>,
     /// Weight of the end velocity in the displacement of bodies that carry contact forces. It is
     /// `1/(1 + e)`, with e the minimum of the contacts in question, if a body is hit that touches
     /// others, else 1.
     pub end_share: f64,
+}
+
+/// Pairs that close because of another impact of the trial, sorted, and the speed, m/s, with which they
+/// would have closed.
+#[derive(Resource, Clone, Debug, Default)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct Reached(pub Vec<((u32, u32), f64)>);
+
+impl Reached {
+    /// The closing speed of a pair, m/s, if it is reached.
+    #[must_use]
+    pub fn speed(&self, pair: (u32, u32)) -> Option<f64> {
+        self.0.binary_search_by_key(&pair, |(pair, _)| *pair).ok().map(|k| self.0[k].1)
+    }
 }
 
 /// Whether a body that a rejected solution moved far carried load.

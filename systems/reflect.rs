@@ -68,6 +68,7 @@ impl Plugin for ReflectPlugin {
             findings::Corrections,
             findings::Pushed,
             findings::Impacts,
+            findings::Reached,
             findings::Restraints,
             findings::Centre,
             findings::BestUnconverged,

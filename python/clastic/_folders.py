@@ -64,8 +64,11 @@ class Folders:
         the named key results.
         """
         # The directory may be moved, and its runs stay what they are.
-        text = check(scene, settings)["text"].replace(str(self.out), "")
-        folder = self.out / hashlib.sha256(f"{_engine.__version__}\n{text}".encode()).hexdigest()[:16]
+        found = check(scene, settings)
+        text = found["text"].replace(str(self.out), "")
+        # A specimen may be stored anew under the same name.
+        what = f"{_engine.__version__}\n{found['specimen_sha256']}\n{text}"
+        folder = self.out / hashlib.sha256(what.encode()).hexdigest()[:16]
         with self.lock:
             lock = self.locks.setdefault(folder, Lock())
         with lock:

@@ -17,7 +17,8 @@ from .results import Run
 
 def check(scene: Scene, set: Settings | None = None) -> dict[str, Any]:
     """Reads a scene and checks it. Returns ``title``, number of ``particles``, names of ``walls`` and
-    ``stages``, ``warnings``, and the ``text`` with its settings.
+    ``stages``, ``warnings``, the ``text`` with its settings, and the hash of the file that the specimen
+    is read from, ``specimen_sha256`` (None: it is read from none).
 
     Raises
     ------

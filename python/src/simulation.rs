@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clastic::components::contact::BodyTable;
 use clastic::components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic::frames::Frame;
+use clastic::output::run_record::RunFacts;
 use clastic::run::minerals::specimen;
 use clastic::run::stages::Script;
 use clastic::run::{Outcome, end_stage};
@@ -33,9 +34,10 @@ pub fn check<'py>(
         let loaded = read(&wanted)?;
         let particles = specimen(&loaded.scene, loaded.specimen.as_ref()).len();
         let warnings = warnings(&loaded);
-        Ok((loaded, particles, warnings))
+        let stored = RunFacts::new(&loaded, &[])?.specimen_sha256;
+        Ok((loaded, particles, warnings, stored))
     });
-    let (loaded, particles, warnings) = read.map_err(|error: Error| error.raise(py))?;
+    let (loaded, particles, warnings, stored) = read.map_err(|error: Error| error.raise(py))?;
     let scene = &loaded.scene;
     let found = PyDict::new(py);
     found.set_item("title", &scene.title)?;
@@ -45,6 +47,7 @@ pub fn check<'py>(
     found.set_item("stages", stages)?;
     found.set_item("warnings", warnings)?;
     found.set_item("text", &loaded.text)?;
+    found.set_item("specimen_sha256", stored)?;
     Ok(found)
 }
 

@@ -12,6 +12,7 @@ from conftest import program
 
 import clastic
 from clastic import Parameter, Target
+from clastic._folders import Folders
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 #: No figures, which take longer than these runs.
@@ -197,3 +198,20 @@ def test_four_properties_of_a_rock_take_less_than_forty_runs(
         (found.runs["test"] == "tension") & (found.runs["tensile"] == found.parameters["tensile"])
     ]
     assert len(last) == 2 and last["strength_pa"].mean() == found.targets["reached"][3]
+
+
+def test_a_specimen_stored_anew_under_its_name_is_run_anew(tmp_path: Path) -> None:
+    """A run is found again by its scene and by what the file of the specimen has in it."""
+    scene, stored = tmp_path / "fall.ron", tmp_path / "grains.csv"
+    scene.write_text(
+        '(version: 1, title: "fall", analysis: Dynamic(dt: 1.0e-3), gravity: (0.0, -9.81), '
+        'materials: {"a": ()}, specimen: File(path: "grains.csv"), '
+        'stages: [Load(name: "fall", increments: 2)])'
+    )
+    made = []
+    for radius in (0.01, 0.01, 0.02):
+        stored.write_text(f"x_m,y_m,radius_m\n0.0,1.0,{radius}\n")
+        folders = Folders(tmp_path / "runs", 1)
+        folders.map(lambda _, folders=folders: folders.run({}, scene, QUICK), [0])
+        made.append(folders.made)
+    assert made == [1, 0, 1]

@@ -37,11 +37,18 @@ impl fmt::Display for SetError {
 
 impl std::error::Error for SetError {}
 
-/// Applies settings in order. Returns the new text with the source of every part.
+/// Applies settings in order, those of `let` first, since others may use its names. Returns the new
+/// text with the source of every part.
 ///
 /// A text with unbalanced brackets is returned unchanged, and reading it reports the mistake.
 pub fn apply(text: &str, sets: &[impl AsRef<str>]) -> Result<EditedText, SetError> {
-    sets.iter().try_fold(EditedText::of(text), |text, set| apply_one(text, set.as_ref()))
+    let names_a_number = |set: &str| {
+        let path = set.split_once('=').and_then(|(path, _)| parse_path(path.trim()));
+        path.is_some_and(|steps| steps.first().and_then(name_of) == Some("let"))
+    };
+    let mut sets: Vec<&str> = sets.iter().map(AsRef::as_ref).collect();
+    sets.sort_by_key(|set| !names_a_number(set));
+    sets.into_iter().try_fold(EditedText::of(text), apply_one)
 }
 
 fn apply_one(mut edited: EditedText, set: &str) -> Result<EditedText, SetError> {

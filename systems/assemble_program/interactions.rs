@@ -190,7 +190,7 @@ fn interaction(
     let half_gap = 0.5 * at;
     let arm_b = bodies.radii.get(contact.b as usize).map_or(0.0, |r| r + half_gap);
     // The correction applies to the end of the increment, and the program uses averages over it.
-    let corrected = correction.map_or(0.0, |c| c.offset - contact.gap);
+    let [turned, lag] = findings.corrections.shift(contact);
     let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
     let shift = findings.corrections.shear_shift(pair, tangential_compliance);
     let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
@@ -211,7 +211,7 @@ fn interaction(
         normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,
         arm_b,
-        offset: if normal > 0.0 { gap / theta } else { gap } + corrected,
+        offset: if normal > 0.0 { gap / theta } else { gap } + turned + lag,
         normal_compliance,
         tangential_compliance,
         previous_shear: if tangential > 0.0 { shear + shift } else { 0.0 },

@@ -11,7 +11,7 @@
 //! | hit at the time t, by bodies that touch nothing else | `-(e w_t - a (dt - t))`, w_t the speed
 //! then |
 //! | not hit, by bodies that touch nothing else | none |
-//! | hit, by bodies of which one touches others | `-e w_0` |
+//! | hit, by bodies of which one touches others, or because of another impact | `-e w_0` |
 //! | separating at the start | `max(g_0/dt, e \|w_0\|)` |
 //! | any other | `g_0/dt` |
 //!
@@ -27,7 +27,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{Impact, Impacts, Pushed};
+use clastic_components::findings::{Impact, Impacts, Pushed, Reached};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::material::Materials;
 use clastic_cone::program::ConeProgram;
@@ -49,11 +49,12 @@ pub fn assemble_rebounds(
     analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
     progress: Res<ClasticProgress>,
-    pushed: Res<Pushed>,
+    (pushed, reached): (Res<Pushed>, Res<Reached>),
     mut program: ResMut<ConeProgram>,
     mut impacts: ResMut<Impacts>,
 ) {
     impacts.single.clear();
+    impacts.hit.clear();
     impacts.end_share = 0.0;
     let AnalysisKind::Dynamic { dt: whole, .. } = analysis.kind else { return };
     let dt = whole * progress.fraction;
@@ -73,7 +74,8 @@ pub fn assemble_rebounds(
         .zip(&approaches)
         .map(|((contact, c), approach)| {
             let closes = approach.is_none_or(|x| x.free_closing(dt) > x.gap || x.hit(dt).is_some());
-            c.limits.has_strength() || contact.gap <= touch || closes
+            let is_reached = reached.speed((contact.a, contact.b)).is_some();
+            c.limits.has_strength() || contact.gap <= touch || closes || is_reached
         })
         .collect();
     let mut touched = vec![0_u32; bodies.positions.len()];
@@ -105,17 +107,24 @@ pub fn assemble_rebounds(
                 c.arm_a = bodies.radii[c.a as usize];
                 c.arm_b = bodies.radii.get(c.b as usize).copied().unwrap_or(0.0);
                 impacts.single.push(Impact { interaction: k, time: hit.time });
+                impacts.hit.push(k);
             }
         } else if alone && free_closing > c.offset && (contact.gap > touch || x.speed < 0.0) {
             // The bodies miss each other, or meet after the step, while `v dt` would have them meet
             // within it.
             c.offset = free_closing;
             impacts.single.push(Impact { interaction: k, time: dt });
-        } else if e * x.speed.abs() > x.pressing * dt {
-            let is_hit = x.speed > 0.0 && free_closing > x.gap;
-            if is_hit || x.speed < 0.0 {
-                c.offset = if is_hit { -e * x.speed * dt } else { c.offset.max(-e * x.speed * dt) };
+        } else {
+            let is_reached = reached.speed((contact.a, contact.b));
+            let is_hit = is_reached.is_some() || x.speed > 0.0 && free_closing > x.gap;
+            let rebounds = e * is_reached.unwrap_or(x.speed.abs()) > x.pressing * dt;
+            if rebounds && (is_hit || x.speed < 0.0) {
+                let rebound = -e * x.speed * dt;
+                c.offset = if is_hit { rebound } else { c.offset.max(rebound) };
                 impacts.end_share = impacts.end_share.max(1.0 / (1.0 + e));
+            }
+            if rebounds && is_hit {
+                impacts.hit.push(k);
             }
         }
     }

@@ -2,7 +2,7 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`], [`restraints`],
-//! [`loose_grains`], [`push_out`], [`dense`]. [`one_round`] then collects the bonds
+//! [`loose_grains`], [`push_out`], [`reached`], [`dense`]. [`one_round`] then collects the bonds
 //! on a limit where no judge has chosen others. For a step of a motion only [`converged`],
 //! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
 //! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
@@ -25,6 +25,7 @@ pub mod one_round;
 mod places;
 pub mod proof;
 pub mod push_out;
+pub mod reached;
 pub mod restraints;
 mod run;
 pub mod set_aside;
@@ -37,7 +38,8 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
-    AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Restraints, Ruptures,
+    AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Reached, Restraints,
+    Ruptures,
 };
 use clastic_components::increment::{
     Acceptance, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
@@ -46,6 +48,7 @@ use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
 pub use self::run::run_attempts;
+use crate::assemble_program::rebounds::has_restitution;
 use crate::motion_settings::MotionSettings;
 use crate::rigid_groups::{carry_members, has_groups};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
@@ -62,6 +65,7 @@ impl Plugin for AttemptPlugin {
             .init_resource::<Corrections>()
             .init_resource::<ending::Stiffness>()
             .init_resource::<Pushed>()
+            .init_resource::<Reached>()
             .init_resource::<Restraints>()
             .init_resource::<Centre>()
             .init_resource::<BestUnconverged>()
@@ -96,6 +100,7 @@ impl Plugin for AttemptPlugin {
                     loose_grains::judge.run_if(impossible),
                     motion::judge_rest.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),
+                    reached::judge.run_if(has_restitution).run_if(in_equilibrium),
                     dense::judge.run_if(in_equilibrium).run_if(dense::is_dense),
                     one_round::collect
                         .run_if(in_equilibrium)

@@ -22,7 +22,7 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{BodyTable, BondRow, Contact, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Ruptures};
+use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures};
 use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
@@ -137,6 +137,7 @@ pub fn forget_pairs(world: &mut World) {
 pub fn forget_passes(world: &mut World) {
     world.insert_resource(Corrections::default());
     world.insert_resource(Pushed::default());
+    world.insert_resource(Reached::default());
     world.insert_resource(Centre::default());
 }
 

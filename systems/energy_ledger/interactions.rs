@@ -187,9 +187,9 @@ fn part<'a>(
     let born = contact.bond.map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
     let start = contact.gap - born;
     // The offset of an elastic interaction is divided by theta. The remainder comes from the
-    // corrector.
-    let corrected = c.offset - start / theta;
-    let with_normal = start + corrected - kinematics[0];
+    // corrections.
+    let [_, lag] = corrections.shift(contact);
+    let with_normal = start + (c.offset - start / theta - lag) - kinematics[0];
     let compliance = theta * c.normal_compliance;
     let normal = if breaks {
         // The stored energy follows from the force. Opening beyond it at the limit is dissipated.

@@ -21,6 +21,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{BodyTable, ContactTable};
+use clastic_components::findings::Corrections;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::measure::{
     CrackSums, ForceComponent, GrainAmount, MembraneValue, NamedMeasures, Quantity, Readings,
@@ -73,27 +74,41 @@ impl StateOf for NamedState {
 /// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The forces of a program are those at the point
 /// theta of it, and its compliances and offsets are divided by theta.
 #[must_use]
-pub fn elastic_energy(program: &ConeProgram, solution: &ConeSolution, theta: f64) -> f64 {
-    stored(program, solution, theta, theta < 1.0)
+pub fn elastic_energy(
+    (contacts, corrections): (&ContactTable, &Corrections),
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    theta: f64,
+) -> f64 {
+    let shift = |k: usize| contacts.0.get(k).map_or([0.0; 2], |c| corrections.shift(c));
+    stored(program, solution, theta, (theta < 1.0).then_some(shift))
 }
 
 /// Elastic energy that a static increment leaves to the next one, J. Normal forces are those of the
 /// gaps: the part with which associated friction has opened a gap ends with the increment.
 #[must_use]
 pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f64 {
-    stored(program, solution, 1.0, true)
+    stored(program, solution, 1.0, Some(|_| [0.0; 2]))
 }
 
-/// `of_gaps`: normal forces follow from the gaps at the end.
-fn stored(program: &ConeProgram, solution: &ConeSolution, theta: f64, of_gaps: bool) -> f64 {
-    let interactions = program.interactions.iter().zip(&solution.forces);
-    let energies = interactions.map(|(c, &[p, q, tau])| {
-        let p = if of_gaps && c.normal_compliance > 0.0 {
-            let closing = program.kinematics(c, &solution.displacements)[0];
-            let p = (closing / theta - c.offset) / c.normal_compliance;
-            if c.limits.has_strength() { p } else { p.max(0.0) }
-        } else {
-            p
+/// `shift`, by interaction: normal forces follow from the gaps at the end.
+fn stored(
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    theta: f64,
+    shift: Option<impl Fn(usize) -> [f64; 2]>,
+) -> f64 {
+    let interactions = program.interactions.iter().zip(&solution.forces).enumerate();
+    let energies = interactions.map(|(k, (c, &[p, q, tau]))| {
+        let p = match &shift {
+            Some(shift) if c.normal_compliance > 0.0 => {
+                let [turned, lag] = shift(k);
+                let closing = program.kinematics(c, &solution.displacements)[0];
+                let overlap = closing - turned - theta * (c.offset - turned - lag);
+                let p = overlap / (theta * c.normal_compliance);
+                if c.limits.has_strength() { p } else { p.max(0.0) }
+            }
+            _ => p,
         };
         let at_end = |force: f64, before: f64| before + (force - before) / theta;
         let (q, tau) = (at_end(q, c.previous_shear), at_end(tau, c.previous_moment));
@@ -128,6 +143,7 @@ pub struct EndTables<'w, 's> {
     contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
+    corrections: Res<'w, Corrections>,
     analysis: Res<'w, ClasticAnalysis>,
     attempt: Res<'w, Attempt>,
     observation: Res<'w, Observation>,
@@ -150,8 +166,10 @@ impl EndTables<'_, '_> {
 
     fn read(&self, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
         let theta = self.analysis.kind.theta();
-        let elastic =
-            || self.carries().then(|| elastic_energy(&self.program, &self.solution, theta));
+        let elastic = || {
+            let tables = (&*self.contacts, &*self.corrections);
+            self.carries().then(|| elastic_energy(tables, &self.program, &self.solution, theta))
+        };
         match quantity {
             Quantity::Strain(measure) => self.strains.strain(measure, reference),
             // These are read at the start, by the stages, or by the plugin.

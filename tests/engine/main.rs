@@ -27,6 +27,7 @@ mod events;
 mod excavation;
 mod extension;
 mod followed_motion;
+mod gas;
 mod groups;
 mod held_bodies;
 mod hinged_walls;

@@ -33,8 +33,8 @@ pub struct Increment<'a> {
     pub contacts: &'a ContactTable,
     /// The program that was solved.
     pub program: &'a ConeProgram,
-    /// Place of the increment at which normals count: 0 is the start, 1 the end.
-    pub place: f64,
+    /// Theta of a time step; `None` in static analysis.
+    pub theta: Option<f64>,
 }
 
 /// What the geometry at the end changes about a solution.
@@ -45,6 +45,8 @@ pub struct Ending {
     pub misfits: Vec<[f64; 2]>,
     /// Maximum out-of-balance force of a particle or rigid group, held ones included, N.
     pub imbalance: f64,
+    /// Work that elastic contacts do in a time step beside what they store, J.
+    pub by_closing: f64,
 }
 
 impl Increment<'_> {
@@ -61,6 +63,7 @@ impl Increment<'_> {
                 offset: exact.gaps[1] - exact.normal.dot(moved),
                 slip: exact.slip,
                 tie: -exact.normal.perp().dot(moved),
+                lag: self.closing(contact, c, &exact).map_or(0.0, |closing| closing.lag),
             })
         };
         pairs.filter_map(correction).collect()
@@ -80,12 +83,18 @@ impl Increment<'_> {
         let mut loads = vec![[0.0; 3]; program.bodies.len()];
         let mut all = loads.clone();
         let mut misfits = vec![[0.0; 2]; program.interactions.len()];
+        let mut by_closing = 0.0;
         for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
             let f = solution.forces[k];
             if !counts[k] {
                 continue;
             }
             let Some((exact, moved)) = self.exact(contact, c, u, &end) else { continue };
+            if let Some(closing) = self.closing(contact, c, &exact)
+                && !c.limits.slides(&f)
+            {
+                by_closing += (f[0] - closing.force).abs() * (exact.gaps[1] - contact.gap).abs();
+            }
             let old = corrections.of((contact.a, contact.b));
             let expected = old.map_or(contact.gap, |o| o.offset) + c.normal.dot(moved);
             let turn = u[c.a as usize][2] + u[c.b as usize][2];
@@ -127,7 +136,21 @@ impl Increment<'_> {
         let is_wall = |row: usize| bodies.walls.iter().any(|wall| wall.body as usize == row);
         let forces = all.iter().enumerate().filter(|(row, _)| !is_wall(*row));
         let imbalance = forces.map(|(_, r)| r[0].hypot(r[1])).fold(0.0, f64::max);
-        Ending { loads, misfits, imbalance }
+        Ending { loads, misfits, imbalance, by_closing }
+    }
+
+    /// The mean force of an elastic contact over a time step in which it touches.
+    fn closing(&self, contact: &Contact, c: &Interaction, exact: &Exact) -> Option<Closing> {
+        let theta = self.theta?;
+        let overlaps = [-contact.gap, -exact.gaps[1]];
+        let touches = overlaps.iter().any(|o| *o > 0.0);
+        if c.normal_compliance == 0.0 || c.limits.has_strength() || !touches {
+            return None;
+        }
+        let line = overlaps[0] + theta * (overlaps[1] - overlaps[0]);
+        let mean = exact.along * mean_overlap(overlaps, theta);
+        let compliance = theta * c.normal_compliance;
+        Some(Closing { force: mean / compliance, lag: (line - mean) / theta })
     }
 
     /// Sum of the arms of the program; twice the arm of the particle at a wall. The arms of a group
@@ -154,7 +177,9 @@ impl Increment<'_> {
         u: &[[f64; 3]],
         end: &[DVec2],
     ) -> Option<(Exact, DVec2)> {
-        let Self { bodies, program, place, .. } = self;
+        let Self { bodies, program, theta, .. } = self;
+        // Normals count at this place: 0 is the start, 1 the end.
+        let place = theta.map_or(1.0, |theta| 1.0 - theta);
         let (a, b) = (contact.a as usize, contact.b as usize);
         let is_pair = b < bodies.particles;
         let is_grouped = bodies.group(a).is_some() || bodies.group(b).is_some();
@@ -167,9 +192,12 @@ impl Increment<'_> {
             let row = cell.body as usize;
             moved += cell.shift(c.image, program.bodies[row].to_global(u[row]));
         }
-        let way = [start, start + *place * moved, start + moved];
-        let exact =
-            if is_pair { of_pair(bodies, [a, b], way) } else { of_wall(bodies, contact, way) }?;
+        let way = [start, start + place * moved, start + moved];
+        let exact = if is_pair {
+            of_pair(bodies, [a, b], way)
+        } else {
+            of_wall(bodies, contact, way, theta.is_some())
+        }?;
         if is_grouped {
             let linear = |i: usize| -> DVec2 {
                 let Some(group) = bodies.group(i) else { return end[i] - bodies.positions[i] };
@@ -181,6 +209,32 @@ impl Increment<'_> {
         }
         Some((exact, moved))
     }
+}
+
+/// An elastic contact that touches in a time step.
+struct Closing {
+    /// Mean normal force, N.
+    force: f64,
+    /// [Lag](Correction::lag), m.
+    lag: f64,
+}
+
+/// Mean overlap `o`, m, with which a spring of overlaps `o_0` and `o_1` (negative: open) does the work
+/// that it stores in a time step, and with theta > 1/2 the damping of the scheme, as in the
+/// energy-momentum method of Simo and Tarnow (ZAMP 43, 1992):
+///
+/// ```text
+/// o (o_1 - o_0) = 1/2 max(o_1, 0)^2 - 1/2 max(o_0, 0)^2 + (theta - 1/2) (max(o_1, 0) - max(o_0, 0)) (o_1 - o_0)
+/// ```
+fn mean_overlap(overlaps: [f64; 2], theta: f64) -> f64 {
+    let [start, end] = overlaps.map(|o| o.max(0.0));
+    let both = 0.5 * (start + end);
+    let stored = if overlaps.iter().all(|o| *o > 0.0) {
+        both
+    } else {
+        both * (end - start) / (overlaps[1] - overlaps[0])
+    };
+    (stored + (theta - 0.5) * (end - start)).max(0.0)
 }
 
 /// Angle from one vector to another, rad. An arccosine would leave half of the digits of a small one.
@@ -207,6 +261,9 @@ struct Exact {
     slip: f64,
     /// Sum of the arms; twice the arm of the particle at a wall, m.
     arms: f64,
+    /// Change of the gap over the motion along the normal at the middle of the increment: the cosine of
+    /// half the turn.
+    along: f64,
 }
 
 /// Two particles. The three vectors are the position of b relative to a at the start, where the
@@ -227,21 +284,31 @@ fn of_pair(
         gaps: [length - radii, far - radii],
         slip: normal.perp().dot(finish - start) - length * angle(start, finish),
         arms: length,
+        along: 2.0 * length / (start.length() + far),
     })
 }
 
-/// A particle and a wall with curves or ends. The normal of a line is constant. A wall that turns is
-/// left to [`turning`](crate::assemble_program::turning), and one in a rigid group to the frozen
-/// normals of its group.
-fn of_wall(bodies: &BodyTable, contact: &Contact, way: [DVec2; 3]) -> Option<Exact> {
+/// A particle and a wall. The normal of a line is constant, so that it matters in time steps alone. A
+/// wall that turns is left to [`turning`](crate::assemble_program::turning), one in a rigid group to
+/// the frozen normals of its group, and an end that a particle passes in a time step to those of the
+/// start: the next wall may take over there.
+fn of_wall(
+    bodies: &BodyTable,
+    contact: &Contact,
+    way: [DVec2; 3],
+    is_time_step: bool,
+) -> Option<Exact> {
     let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
-    let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
+    let wall = bodies.walls.get(k).filter(|wall| is_time_step || !wall.is_line())?;
     let is_grouped = bodies.group(contact.b as usize).is_some();
     if is_grouped || matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) {
         return None;
     }
     let radius = bodies.radii[contact.a as usize];
     let [start, at, finish] = way.map(|to_wall| wall.nearest(to_wall, DVec2::ZERO));
+    if is_time_step && start.curve != finish.curve {
+        return None;
+    }
     let normal = -at.outward;
     let moved = way[2] - way[0];
     // The slip along a circle is the way of the particle about its centre.
@@ -255,5 +322,5 @@ fn of_wall(bodies: &BodyTable, contact: &Contact, way: [DVec2; 3]) -> Option<Exa
         _ => 0.0,
     };
     let gaps = [at.distance - radius, finish.distance - radius];
-    Some(Exact { normal, gaps, slip, arms: 2.0 * radius + gaps[0] })
+    Some(Exact { normal, gaps, slip, arms: 2.0 * radius + gaps[0], along: 1.0 })
 }

@@ -16,10 +16,11 @@
 //! forces depend on the path as much as on the end, the next increment begins with what was out of
 //! balance, and the first condition alone decides.
 //!
-//! Passes are for what guides a body over many increments: elastic bonds, rigid groups and curved walls.
-//! Rigid bonds that form a loop leave no room for gaps that the program does not have. The
-//! contacts of loose grains last for few, and with smaller increments the peaks of sand did not come
-//! closer to those with passes. There the out-of-balance force is recorded.
+//! In statics, passes are for what guides a body over many increments: elastic bonds, rigid groups and
+//! curved walls. Rigid bonds that form a loop leave no room for gaps that the program does not have.
+//! The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
+//! come closer to those with passes. There the out-of-balance force is recorded. In time steps passes
+//! also are for elastic contacts, since they keep the energy of an impact.
 
 mod energy;
 pub mod geometry;
@@ -113,8 +114,8 @@ pub fn judge(
     };
     // A time step has no other end to go to.
     let growth = if is_static { growth } else { 0.0 };
-    let error = if !is_static {
-        energy::error(program, solution, &ending, unit * bodies.mean_radius)
+    let error = if let Some(theta) = increment.theta {
+        energy::error(program, solution, &ending, theta, unit * bodies.mean_radius)
     } else if is_elastic {
         let idle = motion.over_own(&idle, growth);
         state.idle_motion = Some(idle);
@@ -161,23 +162,23 @@ impl Tables<'_> {
     /// The increment with the place of its geometry, if its end is judged.
     fn increment(&self, far: Option<(usize, f64)>) -> Option<Increment<'_>> {
         let Self { bodies, contacts, program, analysis, .. } = self;
-        let place = match analysis.kind {
+        let theta = match analysis.kind {
             AnalysisKind::Static => {
                 if far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
                     return None;
                 }
-                1.0
+                None
             }
             AnalysisKind::Dynamic { theta, .. } => {
                 // Impacts with restitution have normals and offsets of their own.
                 if self.is_at_rest() || analysis.path_theta.is_some() {
                     return None;
                 }
-                1.0 - theta
+                Some(theta)
             }
             AnalysisKind::Compaction { .. } => return None,
         };
-        Some(Increment { bodies, contacts, program, place })
+        Some(Increment { bodies, contacts, program, theta })
     }
 
     /// Which interactions the end is judged by: those that carry load, and in time steps all bonds. In
@@ -192,7 +193,10 @@ impl Tables<'_> {
         let interactions = program.interactions.iter().zip(carrying(solution));
         interactions
             .map(|(c, carries)| {
-                carries || c.limits.has_strength() && (!self.is_static() || is_free(c))
+                let is_bond = c.limits.has_strength();
+                let is_spring = c.normal_compliance > 0.0;
+                carries
+                    || if self.is_static() { is_bond && is_free(c) } else { is_bond || is_spring }
             })
             .collect()
     }
@@ -216,7 +220,7 @@ impl Tables<'_> {
             WallShape::Line => false,
         };
         let mut all = self.program.interactions.iter();
-        all.any(|c| c.limits.has_strength() && c.normal_compliance > 0.0)
+        all.any(|c| c.normal_compliance > 0.0 && (c.limits.has_strength() || !is_static))
             || !self.bodies.groups.is_empty()
             || self.bodies.walls.iter().any(guides)
     }

@@ -1,0 +1,103 @@
+//! A gas of disks in a box: impacts keep the energy at any time step, although a body may have several
+//! within one and normals turn while bodies touch.
+
+use crate::common::*;
+use clastic::components::energy::EnergyLedger;
+use clastic::run::Simulation;
+use clastic::run::measures::reading;
+use clastic::scene::format::Scene;
+
+/// Radius, m, and mass, kg, of the disks.
+const R: f64 = 0.01;
+const MASS: f64 = 2000.0 * std::f64::consts::PI * R * R;
+
+/// Disks at up to 1 m/s that fill three tenths of a box.
+fn gas(count: u32, contact: &str, dt: f64, increments: u32) -> Scene {
+    let side = f64::from(count).sqrt().ceil();
+    let (spacing, columns) = (3.2 * R, side as u32);
+    let length = spacing * side;
+    let noise = |k: u32, n: f64| (12.9 * f64::from(k + 1) * n).sin();
+    let disks: String = (0..count)
+        .map(|k| {
+            let at = |n: u32, seed: f64| spacing * (f64::from(n) + 0.5) + 0.4 * R * noise(k, seed);
+            let (x, y) = (at(k % columns, 1.0), at(k / columns, 2.3));
+            let (vx, vy) = (noise(k, 3.7), noise(k, 5.1));
+            format!("(position: ({x:?}, {y:?}), radius: {R:?}, velocity: ({vx:?}, {vy:?})),")
+        })
+        .collect();
+    let corners = [(0.0, 0.0), (length, 0.0), (length, length), (0.0, length), (0.0, 0.0)];
+    let walls: String = corners
+        .windows(2)
+        .zip(["bottom", "right", "top", "left"])
+        .map(|(ends, name)| {
+            format!(
+                "(name: {name:?}, start: {:?}, end: {:?}, contact: ({contact})),",
+                ends[0], ends[1]
+            )
+        })
+        .collect();
+    parse(&format!(
+        "(
+            version: 1,
+            title: \"gas\",
+            analysis: Dynamic(dt: {dt:?}, theta: 0.5),
+            materials: {{ \"stone\": (density: 2000.0, contact: ({contact})) }},
+            specimen: Particles([{disks}]),
+            walls: [{walls}],
+            stages: [Load(name: \"run\", increments: {increments})],
+            output: (energy: true),
+            measures: [(name: \"elastic\", of: ElasticEnergy)],
+        )"
+    ))
+}
+
+/// Extremes of the kinetic and elastic energy of a run over its energy at the start, and the share of
+/// the energy at the start that was elastic at most.
+fn energies(scene: &Scene) -> ([f64; 2], f64) {
+    let mut simulation = Simulation::new(scene, None);
+    let moving = |s: &mut Simulation| {
+        states(s).iter().map(|s| 0.5 * s.mass * s.velocity.length_squared()).sum()
+    };
+    let start: f64 = moving(&mut simulation);
+    let (mut extremes, mut stored) = ([1.0_f64; 2], 0.0_f64);
+    while let Some(record) = next(&mut simulation) {
+        let elastic = reading(simulation.world(), "elastic").unwrap();
+        let now = (record.kinetic_energy + elastic) / start;
+        stored = stored.max(elastic / start);
+        extremes = [extremes[0].min(now), extremes[1].max(now)];
+        let error = simulation.world().resource::<EnergyLedger>().increment.error().abs();
+        assert!(error <= 1e-9 * start, "the ledger is off by {error:e} J of {start:e} J");
+    }
+    (extremes, stored)
+}
+
+/// Rigid disks with e = 1 lost half of their energy in a second: what a disk hit because of another
+/// impact in the same increment did not rebound.
+#[test]
+fn rigid_disks_keep_their_energy_at_any_time_step() {
+    for dt in [5e-4, 1e-3, 2e-3, 4e-3] {
+        let increments = (0.5 / dt) as u32;
+        let ([least, most], _) = energies(&gas(100, "restitution: 1.0", dt, increments));
+        println!("dt {dt}: {:e} to {:e}", least - 1.0, most - 1.0);
+        assert!(least > 1.0 - 1e-8 && most < 1.0 + 1e-8, "{dt}: {least} to {most}");
+    }
+    let ([least, most], _) = energies(&gas(100, "restitution: 0.9", 1e-3, 500));
+    assert!(most <= 1.0 && least < 0.5, "e = 0.9: {least} to {most}");
+}
+
+/// Elastic disks lost 3 % of their energy in a second at 200 steps a period of a contact, since normals
+/// turn, and gained 370 times their energy at one step a period, since contacts close within steps.
+#[test]
+fn elastic_disks_keep_their_energy_at_any_time_step() {
+    let stiffness = 1e5;
+    let period = 2.0 * std::f64::consts::PI * (0.5 * MASS / stiffness).sqrt();
+    for (steps, time) in [(200.0, 1.0), (50.0, 1.0), (10.0, 2.0), (2.0, 2.0)] {
+        let dt = period / steps;
+        let contact = format!("normal_stiffness: {stiffness:?}");
+        let increments = (time / dt) as u32;
+        let ([least, most], stored) = energies(&gas(25, &contact, dt, increments));
+        println!("{steps} steps a period: {:e} to {:e}, {stored} elastic", least - 1.0, most - 1.0);
+        assert!(stored > 0.1, "the disks must collide: {stored}");
+        assert!(least > 1.0 - 1e-7 && most < 1.0 + 1e-7, "{steps}: {least} to {most}");
+    }
+}
