@@ -8,7 +8,7 @@
 use bevy_app::{App, PluginGroup};
 use bevy_ecs::prelude::*;
 use clastic::prelude::*;
-use clastic::systems::rupture_bonds::RuptureBondsPlugin;
+use clastic::systems::rupture::bonds::RuptureBondsPlugin;
 use glam::DVec2;
 
 const AGE: u64 = 10;

@@ -3,19 +3,19 @@
 //! bonds, record. An attempt detects contacts, assembles the cone program, solves it, and judges
 //! the solution. See [`schedule`].
 
-pub mod announce_collisions;
-pub mod announce_ruptures;
 pub mod assemble_program;
 pub mod assign_identities;
 pub mod attempt;
 pub mod check_values;
+pub mod contact_laws;
 pub mod control_loads;
 pub mod control_walls;
 pub mod detect_contacts;
+pub mod ending;
 pub mod energy_ledger;
-pub mod event_search;
 pub mod gather_bodies;
 pub mod identities;
+pub mod impacts;
 pub mod kinetic_damping;
 pub mod links;
 pub mod load_stage;
@@ -23,14 +23,13 @@ pub mod material_names;
 pub mod measures;
 pub mod membranes;
 pub mod motion_settings;
-pub mod paths;
+mod moved;
+mod places;
 pub mod record;
 #[cfg(feature = "reflect")]
 pub mod reflect;
 pub mod rigid_groups;
-pub mod rupture_bonds;
-pub mod rupture_brittleness;
-pub mod rupture_density;
+pub mod rupture;
 pub mod schedule;
 pub mod solve_program;
 pub mod state;

@@ -24,7 +24,7 @@ use clastic_components::rigid_group::ContactForce;
 use clastic_components::wall::WallRotation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::attempt::events;
+use crate::rupture::events;
 use crate::gather_bodies::gather_bodies;
 use crate::measures::cracks::follow_cracks;
 use crate::measures::kept::{Moving, kinetic_energy};

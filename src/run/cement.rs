@@ -9,7 +9,7 @@ use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::material::{BondLaw, Materials};
-use clastic_systems::assemble_program::interactions::contact_law;
+use clastic_systems::contact_laws::contact_law;
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
 use clastic_systems::detect_contacts::grid::pairs_within;
 use clastic_systems::detect_contacts::periodic;

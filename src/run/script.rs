@@ -64,7 +64,7 @@ pub struct StageEnd {
     /// Number of these with the status `capped`.
     pub capped: u64,
     /// Number of these whose end is out of balance because
-    /// [passes](clastic_systems::attempt::ending) found none: `geometry` in their `caps`.
+    /// [passes](clastic_systems::ending) found none: `geometry` in their `caps`.
     pub unbalanced: u64,
     /// Number of particles that are [set aside](clastic_components::particle::SetAside) after its last
     /// increment.

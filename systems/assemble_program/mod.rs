@@ -29,7 +29,7 @@ use clastic_cone::program::ConeProgram;
 use self::interactions::Findings;
 use self::rebounds::{assemble_rebounds, has_restitution};
 use crate::links;
-use crate::rupture_bonds::lift_strengths;
+use crate::rupture::bonds::lift_strengths;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};
 
 /// Adds [`assemble_interactions`] and [`balance_bodies`].

@@ -11,8 +11,9 @@ use clastic_components::findings::AddedPairs;
 use clastic_components::increment::Acceptance;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::closed_pairs::{Moved, add, is_listed, unlisted_pairs};
+use super::closed_pairs::{add, is_listed, unlisted_pairs};
 use crate::detect_contacts::Candidates;
+use crate::moved::Moved;
 
 /// Step of the difference quotients of gaps, mean radii: gaps change in proportion to so small a
 /// motion. It is also their truncation error, which a pair that closes exceeds.

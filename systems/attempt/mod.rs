@@ -15,17 +15,10 @@ pub mod closed_pairs;
 pub mod closing_mechanism;
 pub mod converged;
 pub mod coulomb;
-pub mod dense;
-pub mod ending;
-pub mod events;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
-pub mod one_round;
-mod places;
 pub mod proof;
-pub mod push_out;
-pub mod reached;
 pub mod restraints;
 mod run;
 pub mod set_aside;
@@ -48,9 +41,12 @@ use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
 pub use self::run::run_attempts;
-use crate::assemble_program::rebounds::has_restitution;
+use crate::ending;
+use crate::impacts::rebounds::has_restitution;
+use crate::impacts::{push_out, reached};
 use crate::motion_settings::MotionSettings;
 use crate::rigid_groups::{carry_members, has_groups};
+use crate::rupture::{dense, events, one_round};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
 
 /// Adds [`run_attempts`] and the judges.

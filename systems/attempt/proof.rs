@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::contact::BodyTable;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::places::moves_most;
+use crate::places::moves_most;
 use super::restraints::{takes_part, translations};
 use super::share::share;
 

@@ -13,9 +13,10 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::next::{Budget, Next, next};
 use super::share::share;
-use super::{events, motion};
+use super::motion;
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
+use crate::rupture::events;
 use crate::schedule::AttemptIncrement;
 use crate::stepping::ClasticHalted;
 use crate::trial_loads::ask_for_loads;

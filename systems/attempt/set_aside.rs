@@ -7,7 +7,6 @@ use glam::DVec2;
 use clastic_components::attempt::Attempt;
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::contact_history::{ContactHistory, ContactMemory};
 use clastic_components::increment::{Acceptance, ClasticAnalysis};
 use clastic_components::wall_shape::WallShape;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -114,21 +113,4 @@ fn have_left(bodies: &BodyTable, program: &ConeProgram, gravity: DVec2, grains: 
     });
     let lowest = others.chain(walls).fold(f64::NEG_INFINITY, f64::max);
     grains.iter().all(|i| bodies.positions[*i].dot(down) - bodies.radii[*i] > lowest)
-}
-
-/// Which particles that are set aside have been touched: a force from outside acts on their fragment.
-#[must_use]
-pub fn touched(bodies: &BodyTable, history: &ContactHistory) -> Vec<bool> {
-    let fragments = fragments(bodies);
-    let mut touched = vec![false; bodies.particles];
-    let force = |m: &ContactMemory| m.p.abs().max(m.q.abs());
-    let threshold = MIN_LOAD * history.0.iter().map(force).fold(0.0, f64::max);
-    for m in history.0.iter().filter(|m| force(m) > threshold) {
-        let (a, b) = (fragments[m.a as usize], fragments.get(m.b as usize));
-        if b != Some(&a) {
-            touched[a as usize] = true;
-            b.into_iter().for_each(|b| touched[*b as usize] = true);
-        }
-    }
-    fragments.iter().map(|root| touched[*root as usize]).collect()
 }

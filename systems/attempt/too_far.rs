@@ -11,7 +11,7 @@ use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::converged::impossible_or;
-use super::places::{digits, near};
+use crate::places::{digits, near};
 use super::restraints::restrain;
 use crate::turns::{furthest, of_bonded};
 

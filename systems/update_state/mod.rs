@@ -4,8 +4,8 @@
 mod external_forces;
 mod move_bodies;
 mod remember_contacts;
+mod touched;
 
-use crate::attempt::set_aside::touched;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -20,6 +20,7 @@ use clastic_components::particle::{SetAside, Swinging};
 pub use self::external_forces::external_forces;
 pub use self::move_bodies::move_bodies;
 pub use self::remember_contacts::{remember_contacts, remembered};
+use self::touched::touched;
 
 /// Adds the systems of the update.
 pub struct UpdateStatePlugin;

@@ -3,7 +3,7 @@
 //! With the theta-method (equations 2 and 3 of the paper) `v = (u/dt - (1 - theta) v_0)/theta`, and
 //! likewise for rotations.
 
-use crate::paths::paths;
+use crate::impacts::paths::paths;
 use bevy_ecs::prelude::*;
 use clastic_components::body::{
     BodyAngularVelocity, BodyDrive, BodyId, BodyPosition, BodyRotation, BodyVelocity, LastMotion,

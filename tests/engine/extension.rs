@@ -72,7 +72,7 @@ use clastic::output::{self, Ending, OutputPlugin, RunOptions};
 use clastic::run::spawn::spawn_scene;
 use clastic::run::{ScenePlugin, advance};
 use clastic::scene;
-use clastic::systems::rupture_bonds::RuptureBondsPlugin;
+use clastic::systems::rupture::bonds::RuptureBondsPlugin;
 
 const RADIUS: f64 = 6.0e-3;
 const STIFFNESS: f64 = 8.0e6;

@@ -8,7 +8,7 @@ use clastic_components::findings::Ruptures;
 use clastic_components::increment::{ClasticProgress, RuptureRules};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::rupture_bonds::{Met, find_ruptures};
+use super::bonds::{Met, find_ruptures};
 
 /// Collects the bonds that the increment breaks.
 pub fn collect(

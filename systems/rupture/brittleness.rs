@@ -8,7 +8,7 @@ use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::ClasticAnalysis;
 use clastic_components::material::Materials;
 
-use crate::assemble_program::interactions::contact_law;
+use crate::contact_laws::contact_law;
 
 /// Data from which the forces after a rupture follow.
 #[derive(Clone, Copy)]

@@ -23,8 +23,8 @@ use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, C
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
 use glam::DVec2;
 
-use crate::assemble_program::hits::load_acceleration;
-use crate::attempt::push_out::residual_overlap;
+use super::hits::load_acceleration;
+use super::push_out::residual_overlap;
 use crate::rigid_groups::carry;
 use clastic_cone::residuals::Carrying;
 

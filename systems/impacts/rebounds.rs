@@ -22,7 +22,7 @@
 //!
 //! Contacts that separate may approach as fast as Newton's law allows, so that bodies between walls
 //! always have the solution `v = -e v_0`. With the displacement `dt (v + e v_0)/(1 + e)` neither
-//! these contacts nor those with an impact overlap; see [`paths`](crate::paths).
+//! these contacts nor those with an impact overlap; see [`paths`](crate::impacts::paths).
 
 use bevy_ecs::prelude::*;
 
@@ -33,8 +33,8 @@ use clastic_components::material::Materials;
 use clastic_cone::program::ConeProgram;
 
 use super::hits::{Approach, Motion};
-use super::interactions::contact_law;
-use crate::attempt::push_out::{overlaps, residual_overlap};
+use super::push_out::{overlaps, residual_overlap};
+use crate::contact_laws::contact_law;
 
 /// Run condition: contacts have restitution in this stage.
 pub fn has_restitution(analysis: Res<ClasticAnalysis>) -> bool {

@@ -1,6 +1,6 @@
 //! Judge: finds the next event. Between two ruptures the response is piecewise linear, so a few
 //! trials with bonds of unlimited strength give the fraction at which the next bonds reach their
-//! limits ([`event_search`](crate::event_search)).
+//! limits ([`event_search`](crate::rupture::event_search)).
 //!
 //! That state is committed before its rupture. Bonds that hold are judged by their own limits. The
 //! next increment has the fraction 0: its equilibrium at constant load shows whether other bonds
@@ -21,12 +21,12 @@ use clastic_components::increment::{
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::event_search::{Decision, at_constant_load, decide, maximum};
-use crate::rupture_bonds::{
+use super::event_search::{Decision, at_constant_load, decide, maximum};
+use super::bonds::{
     BuiltInRule, Overload, UNLIMITED, overloads, overloads_at_start, restore_strengths, rupture,
 };
-use crate::rupture_brittleness::{Laws, between, brittleness};
-use crate::rupture_density::{density, due};
+use super::brittleness::{Laws, between, brittleness};
+use super::density::{density, due};
 use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.

@@ -23,7 +23,7 @@ use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
-use crate::attempt::closed_pairs::Moved;
+use crate::moved::Moved;
 
 /// Tables of an increment and the place of its geometry.
 pub struct Increment<'a> {

@@ -2,7 +2,7 @@
 //! ruptures release little force.
 //!
 //! One by one, these ruptures would need several solves each. Where the
-//! [density](crate::rupture_density::density) of ruptures is above [`RuptureRules::density`], or
+//! [density](crate::rupture::density::density) of ruptures is above [`RuptureRules::density`], or
 //! their [brittleness] is at most [`RuptureRules::brittleness`], an increment is solved with the
 //! strengths of its bonds, as with `OneRound`. At its end three sets of bonds break:
 //!
@@ -33,9 +33,9 @@ use clastic_components::increment::{ClasticAnalysis, ClasticProgress, RuptureRul
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::rupture_bonds::{Met, find_ruptures, overloads, overloads_at_start, rupture};
-use crate::rupture_brittleness::{Laws, brittleness};
-use crate::rupture_density::distance;
+use super::bonds::{Met, find_ruptures, overloads, overloads_at_start, rupture};
+use super::brittleness::{Laws, brittleness};
+use super::density::distance;
 
 /// Maximum share of the intact bonds that an increment breaks.
 const MAX_SHARE: f64 = 0.04;

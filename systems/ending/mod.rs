@@ -39,7 +39,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
-use super::places::digits;
+use crate::places::digits;
 use crate::turns::{carrying, furthest, of_bonded, of_loaded};
 
 /// Maximum out-of-balance force at the end over the maximum force where nothing slides.

@@ -19,9 +19,7 @@ use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Limits};
 
-use crate::assemble_program::interactions::{
-    contact_law, moment_after_rupture, shear_after_rupture,
-};
+use crate::contact_laws::{contact_law, moment_after_rupture, shear_after_rupture};
 use crate::schedule::{Increment, IncrementSystems, lap};
 use clastic_cone::residuals::{Multipliers, displacement_scale, multipliers};
 

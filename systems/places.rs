@@ -5,7 +5,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 use clastic_cone::residuals::worst_bodies;
 
 /// Two bodies, which may be the same, and the place of the first one.
-pub(super) fn near(bodies: &BodyTable, [a, b]: [usize; 2]) -> String {
+pub(crate) fn near(bodies: &BodyTable, [a, b]: [usize; 2]) -> String {
     let partner = if a == b { String::new() } else { format!(" and {}", bodies.name(b)) };
     // The cell has no position.
     let at = bodies
@@ -16,7 +16,7 @@ pub(super) fn near(bodies: &BodyTable, [a, b]: [usize; 2]) -> String {
 }
 
 /// Place of the maximum residual of a solution; empty if it has none.
-pub(super) fn worst_place(
+pub(crate) fn worst_place(
     bodies: &BodyTable,
     program: &ConeProgram,
     solution: &ConeSolution,
@@ -27,7 +27,7 @@ pub(super) fn worst_place(
 
 /// The body that moves furthest of those that may move, in words, and its translation in m. `None`
 /// if nothing moves.
-pub(super) fn moves_most(
+pub(crate) fn moves_most(
     bodies: &BodyTable,
     program: &ConeProgram,
     displacements: &[[f64; 3]],
@@ -42,7 +42,7 @@ pub(super) fn moves_most(
 }
 
 /// A number with three significant digits and at least two decimals.
-pub(super) fn digits(number: f64) -> String {
+pub(crate) fn digits(number: f64) -> String {
     let decimals = (2.0 - number.abs().log10().floor()).max(2.0);
     if decimals.is_finite() {
         format!("{number:.0$}", decimals as usize)

@@ -1,0 +1,58 @@
+//! The law of a contact, and what is left of the forces of a bond where it has broken.
+
+use clastic_components::contact::{BodyTable, Contact};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
+use clastic_components::material::{ContactLaw, Materials};
+
+/// Law of a contact: that of the wall, or that of the two materials.
+#[must_use]
+pub fn contact_law(
+    bodies: &BodyTable,
+    materials: &Materials,
+    analysis: &ClasticAnalysis,
+    contact: &Contact,
+) -> ContactLaw {
+    if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
+        return ContactLaw::rigid_frictionless();
+    }
+    let (a, b) = (contact.a as usize, contact.b as usize);
+    let mut law = if b < bodies.particles {
+        materials.contact(bodies.materials[a], bodies.materials[b])
+    } else {
+        bodies
+            .walls
+            .binary_search_by_key(&contact.b, |w| w.body)
+            .map_or_else(|_| ContactLaw::default(), |k| bodies.walls[k].law)
+    };
+    law.friction *= analysis.strength;
+    law.rolling_friction *= analysis.strength;
+    law
+}
+
+/// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It
+/// is zero if the bond spanned a gap.
+#[must_use]
+pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
+    if law.tangential_compliance <= 0.0 || law.normal_compliance <= 0.0 {
+        return 0.0;
+    }
+    let limit = law.friction * (-gap / law.normal_compliance).max(0.0);
+    q.clamp(-limit, limit)
+}
+
+/// Initial rolling moment of a contact whose bond has broken: the part that its limit allows. It is
+/// zero if the bond spanned a gap, or if the contact does not roll elastically.
+#[must_use]
+pub fn moment_after_rupture(
+    tau: f64,
+    contact: &Contact,
+    bodies: &BodyTable,
+    law: &ContactLaw,
+) -> f64 {
+    if law.rolling_compliance <= 0.0 || law.normal_compliance <= 0.0 {
+        return 0.0;
+    }
+    let p = (-contact.gap / law.normal_compliance).max(0.0);
+    let limit = law.rolling_friction * contact.common_radius(bodies) * p;
+    tau.clamp(-limit, limit)
+}
