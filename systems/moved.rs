@@ -11,7 +11,7 @@ use crate::detect_contacts::gaps::{JOINT, wall_gap};
 /// Where the bodies are after a motion.
 pub(crate) struct Moved {
     pub positions: Vec<DVec2>,
-    cell: Option<PeriodicCell>,
+    pub cell: Option<PeriodicCell>,
     walls: Vec<WallRow>,
 }
 

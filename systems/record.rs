@@ -24,7 +24,6 @@ use clastic_components::rigid_group::ContactForce;
 use clastic_components::wall::WallRotation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::rupture::events;
 use crate::gather_bodies::gather_bodies;
 use crate::measures::cracks::follow_cracks;
 use crate::measures::kept::{Moving, kinetic_energy};
@@ -32,6 +31,7 @@ use crate::measures::strain::{StrainTables, follow_path};
 use crate::measures::stress::StressTables;
 use crate::measures::{NAMED, NamedState, read_end, read_start};
 use crate::membranes::renew_shapes;
+use crate::rupture::events;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use crate::state::{RegisterState, StateOf};
 use clastic_cone::residuals::Carrying;

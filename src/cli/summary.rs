@@ -187,7 +187,7 @@ fn after_collapse(script: &Script) -> Option<String> {
 /// Whether the stage of an end is dynamic.
 fn is_dynamic(script: &Script, end: &StageEnd) -> bool {
     let stage = script.scene.stages.iter().find(|stage| stage.name() == end.stage);
-    let analysis = stage.and_then(Stage::load).and_then(|load| load.analysis);
+    let analysis = stage.and_then(Stage::analysis);
     matches!(analysis.unwrap_or(script.scene.analysis), Analysis::Dynamic { .. })
 }
 

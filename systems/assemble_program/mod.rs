@@ -3,10 +3,8 @@
 pub mod balance;
 pub mod cell;
 pub mod groups;
-pub mod hits;
 pub mod interactions;
 pub mod known_pairs;
-pub mod rebounds;
 pub mod regularise;
 pub mod scales;
 pub mod taut;
@@ -27,7 +25,7 @@ use clastic_components::material::Materials;
 use clastic_cone::program::ConeProgram;
 
 use self::interactions::Findings;
-use self::rebounds::{assemble_rebounds, has_restitution};
+use crate::impacts::rebounds::{assemble_rebounds, has_restitution};
 use crate::links;
 use crate::rupture::bonds::lift_strengths;
 use crate::schedule::{AttemptIncrement, AttemptSystems, lap};

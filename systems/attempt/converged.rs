@@ -8,10 +8,10 @@ use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconve
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
-use crate::ending;
-use crate::places::{moves_most, near, worst_place};
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
+use crate::ending;
+use crate::places::{moves_most, near, worst_place};
 use crate::turns::too_far;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals};

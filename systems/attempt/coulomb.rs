@@ -7,7 +7,7 @@ use clastic_components::contact::BodyTable;
 use clastic_components::findings::Sliding;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::places::worst_place;
+use crate::places::worst_place;
 
 /// Rejects a solution whose residual under Coulomb's law is above the [bound](Sliding::BOUND). In
 /// statics the motion is then followed, and in dynamics the time step is halved.

@@ -28,10 +28,10 @@ use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use crate::places::{digits, moves_most, near};
 use super::set_aside::{Lost, lost};
 use crate::kinetic_damping;
 use crate::motion_settings::MotionSettings;
+use crate::places::{digits, moves_most, near};
 use crate::rupture::bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
 use crate::travel::furthest;
 use crate::update_state::remembered;

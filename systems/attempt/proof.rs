@@ -5,9 +5,9 @@ use bevy_ecs::prelude::*;
 use clastic_components::contact::BodyTable;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::places::moves_most;
 use super::restraints::{takes_part, translations};
 use super::share::share;
+use crate::places::moves_most;
 
 /// The reason for a collapse that a mechanism proves, with the body that moves most in it and the share
 /// of the specimen that moves; `None` if no mechanism proves it.

@@ -11,9 +11,9 @@ use clastic_components::findings::{
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
+use super::motion;
 use super::next::{Budget, Next, next};
 use super::share::share;
-use super::motion;
 use crate::control_walls::renew_stresses;
 use crate::motion_settings::MotionSettings;
 use crate::rupture::events;

@@ -11,8 +11,8 @@ use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::converged::impossible_or;
-use crate::places::{digits, near};
 use super::restraints::restrain;
+use crate::places::{digits, near};
 use crate::turns::{furthest, of_bonded};
 
 /// Rejects a static solution that [turns](crate::turns) a bond or a contact that carries load by more

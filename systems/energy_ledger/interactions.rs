@@ -13,9 +13,7 @@ use clastic_components::increment::ClasticAnalysis;
 use clastic_components::material::{ContactLaw, Materials};
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
 
-use crate::contact_laws::{
-    contact_law, moment_after_rupture, shear_after_rupture,
-};
+use crate::contact_laws::{contact_law, moment_after_rupture, shear_after_rupture};
 use clastic_cone::residuals::{Multipliers, multipliers};
 
 /// Tables of the increment or step: initial and final state.

@@ -4,5 +4,5 @@ pub mod announce;
 pub mod hits;
 pub mod paths;
 pub mod push_out;
-pub mod rebounds;
 pub mod reached;
+pub mod rebounds;

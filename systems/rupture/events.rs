@@ -21,12 +21,12 @@ use clastic_components::increment::{
 use clastic_components::material::Materials;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::event_search::{Decision, at_constant_load, decide, maximum};
 use super::bonds::{
     BuiltInRule, Overload, UNLIMITED, overloads, overloads_at_start, restore_strengths, rupture,
 };
 use super::brittleness::{Laws, between, brittleness};
 use super::density::{density, due};
+use super::event_search::{Decision, at_constant_load, decide, maximum};
 use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.
