@@ -14,10 +14,9 @@ use clastic_components::wall::{
 use glam::DVec2;
 
 use crate::schedule::{
-    ControlSystems, ControlWalls, Increment, IncrementSystems, lap, start_clock,
+    ClasticHalted, ControlSystems, ControlWalls, Increment, IncrementSystems, lap, start_clock,
 };
 use crate::state::RegisterState;
-use crate::stepping::ClasticHalted;
 use crate::wall_states::{ControlStates, WALL_CONTROL};
 
 /// Adds [`control_walls`] and runs it in every increment.

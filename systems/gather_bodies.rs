@@ -23,9 +23,8 @@ use clastic_components::wall_shape::WallShape;
 use crate::check_values::check_values;
 use crate::links;
 use crate::rigid_groups::{self, GroupQuery};
-use crate::schedule::{Increment, IncrementSystems};
+use crate::schedule::{ClasticHalted, Increment, IncrementSystems};
 use crate::state::{RegisterState, StateOf};
-use crate::stepping::ClasticHalted;
 
 /// Name of the [`PeriodicCell`] in a state.
 pub const PERIODIC_CELL: &str = "periodic_cell";

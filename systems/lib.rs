@@ -21,6 +21,7 @@ pub mod links;
 pub mod load_stage;
 pub mod material_names;
 pub mod measures;
+pub mod mechanism;
 pub mod membranes;
 pub mod motion_settings;
 mod moved;

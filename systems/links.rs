@@ -17,9 +17,8 @@ use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallRotation};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, Limits};
 
-use crate::schedule::{AttemptIncrement, AttemptSystems};
+use crate::schedule::{AttemptIncrement, AttemptSystems, ClasticHalted};
 use crate::state::{RegisterState, StateOf};
-use crate::stepping::ClasticHalted;
 
 /// Adds the hook that turns a [`LinkBetween`] into a [`Link`], the interactions of links, and their
 /// state.

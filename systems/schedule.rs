@@ -18,6 +18,8 @@ use std::time::Instant;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+#[cfg(feature = "reflect")]
+use bevy_ecs::reflect::ReflectResource;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
@@ -28,7 +30,6 @@ use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::observation::Timings;
 
 use crate::state::RegisterState;
-use crate::stepping::ClasticHalted;
 
 /// One increment.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -138,6 +139,14 @@ pub fn rows_changed(rows: Res<KeptRows>) -> bool {
 pub fn committed(attempt: Res<Attempt>) -> bool {
     attempt.status.is_committed()
 }
+
+/// Why the run has stopped. No increment is made while the world has this resource.
+#[derive(Resource, Clone, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
+pub struct ClasticHalted(
+    /// What happened.
+    pub String,
+);
 
 /// Adds the four schedules with their sets.
 pub struct SchedulePlugin;

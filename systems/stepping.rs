@@ -28,7 +28,8 @@ use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgre
 use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
 
-use crate::attempt::proof::proof;
+use crate::mechanism::proof;
+pub use crate::schedule::ClasticHalted;
 use crate::schedule::Increment;
 
 /// One increment with the work before and after it.
@@ -148,14 +149,6 @@ impl ClasticRunning {
 /// before or after it.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ClasticStepping;
-
-/// Why the run has stopped. No increment is made while the world has this resource.
-#[derive(Resource, Clone, Debug, PartialEq, Eq)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct ClasticHalted(
-    /// What happened.
-    pub String,
-);
 
 /// Adds [`AdvanceIncrement`] and runs it whenever `schedule` runs and [`ClasticRunning`] allows it.
 /// In one of Bevy's fixed schedules an increment is one time step: `Time<Fixed>` follows `dt` of

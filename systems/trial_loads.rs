@@ -7,8 +7,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::loads::TrialLoads;
 
 use crate::check_values::refused_load;
-use crate::schedule::AddTrialLoads;
-use crate::stepping::ClasticHalted;
+use crate::schedule::{AddTrialLoads, ClasticHalted};
 
 /// Adds [`TrialLoads`]. Systems that only add to it may run in any order, because its sums do not
 /// depend on the order.

@@ -9,7 +9,7 @@ use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_components::particle::SetAside;
 use clastic_components::poured::Poured;
-use clastic_systems::attempt::proof::proof;
+use clastic_systems::mechanism::proof;
 use clastic_systems::rupture::dense::is_unsettled;
 
 use super::advice::with_advice;

@@ -10,8 +10,8 @@ use clastic_components::increment::Acceptance;
 use clastic_cone::program::ConeSolution;
 
 use super::motion::may_begin;
-use super::restraints::{takes_part, translations};
 use super::set_aside::carry_themselves;
+use crate::mechanism::{takes_part, translations};
 use crate::motion_settings::MotionSettings;
 
 /// Calls a mechanism of loose grains one, whose motion is followed. Where no further motion may

@@ -18,11 +18,9 @@ pub mod coulomb;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
-pub mod proof;
 pub mod restraints;
 mod run;
 pub mod set_aside;
-mod share;
 pub mod too_far;
 
 use bevy_app::{App, Plugin};

@@ -7,26 +7,12 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Bearing, Restraints};
 use clastic_components::increment::Acceptance;
-use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, Interaction};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
 use crate::assemble_program::regularise::find_loaded;
 use crate::assemble_program::taut;
+use crate::mechanism::{TAKES_PART, takes_part, translations};
 use crate::turns::turns;
-
-/// Bodies that move further than this fraction of the accepted turn, or of the maximum motion of a
-/// mechanism, take part in it.
-const TAKES_PART: f64 = 0.1;
-
-/// How far a mechanism moves each body, relative to the others.
-pub(super) fn translations(certificate: &Certificate) -> Vec<f64> {
-    certificate.mechanism.iter().map(|u| u[0].hypot(u[1])).collect()
-}
-
-/// Whether a body takes part in a mechanism that moves the bodies this far.
-pub(super) fn takes_part(far: &[f64]) -> impl Fn(usize) -> bool + '_ {
-    let maximum = far.iter().copied().fold(0.0, f64::max);
-    move |i| far[i] > TAKES_PART * maximum
-}
 
 /// Judge: is a collapse the mechanism of grains that hang on taut bonds? The program lacks their
 /// geometric stiffness and is solved again with it.

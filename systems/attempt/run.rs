@@ -13,12 +13,11 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::motion;
 use super::next::{Budget, Next, next};
-use super::share::share;
 use crate::control_walls::renew_stresses;
+use crate::mechanism::share;
 use crate::motion_settings::MotionSettings;
 use crate::rupture::events;
-use crate::schedule::AttemptIncrement;
-use crate::stepping::ClasticHalted;
+use crate::schedule::{AttemptIncrement, ClasticHalted};
 use crate::trial_loads::ask_for_loads;
 
 /// Runs [`AttemptIncrement`] until the increment has ended.

@@ -19,6 +19,7 @@ use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
 
+use crate::schedule::ClasticHalted;
 use clastic_components::body::BodyId;
 use clastic_components::bond::{Bond, BondId, BondState};
 use clastic_components::contact::BodyTable;
@@ -28,8 +29,6 @@ use clastic_components::membrane::Membrane;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::{WallName, WallSlide, WallTable};
-
-use crate::stepping::ClasticHalted;
 
 pub(crate) use self::loads::refused_load;
 use self::settings::Settings;

@@ -63,9 +63,8 @@ use glam::DVec2;
 use self::dynamic::book_bodies;
 use self::interactions::{Before, Part, Tables, after_rupture, book, gap_at};
 use self::quasi_static::Starts;
-use crate::schedule::{Increment, IncrementSystems, committed};
+use crate::schedule::{ClasticHalted, Increment, IncrementSystems, committed};
 use crate::state::RegisterState;
-use crate::stepping::ClasticHalted;
 
 pub(crate) use self::steps::book_step;
 

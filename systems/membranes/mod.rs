@@ -25,9 +25,8 @@ use clastic_components::loads::TrialLoads;
 use clastic_components::membrane::{Chain, Course, Membrane, MembraneShape, Sides};
 
 use self::rolling_ball::{Line, RollingBall};
-use crate::schedule::AddTrialLoads;
+use crate::schedule::{AddTrialLoads, ClasticHalted};
 use crate::state::{RegisterState, StateOf};
-use crate::stepping::ClasticHalted;
 
 /// Adds [`press`]. The record runs [`renew_shapes`].
 pub struct MembranesPlugin;
