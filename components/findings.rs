@@ -237,17 +237,29 @@ pub struct Impacts {
     pub end_share: f64,
 }
 
-/// Pairs that close because of another impact of the trial, sorted, and the speed, m/s, with which they
-/// would have closed.
+/// What impacts of the trial cause beyond themselves.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Reached(pub Vec<((u32, u32), f64)>);
+pub struct Reached {
+    /// Pairs that another impact sends against each other, sorted, and the speed, m/s, with which
+    /// they close.
+    pub pairs: Vec<((u32, u32), f64)>,
+    /// Factor of the restitution by body; empty: 1.
+    pub factors: Vec<f64>,
+}
 
 impl Reached {
     /// The closing speed of a pair, m/s, if it is reached.
     #[must_use]
     pub fn speed(&self, pair: (u32, u32)) -> Option<f64> {
-        self.0.binary_search_by_key(&pair, |(pair, _)| *pair).ok().map(|k| self.0[k].1)
+        self.pairs.binary_search_by_key(&pair, |(pair, _)| *pair).ok().map(|k| self.pairs[k].1)
+    }
+
+    /// Factor of the restitution of a pair.
+    #[must_use]
+    pub fn factor(&self, (a, b): (u32, u32)) -> f64 {
+        let of = |body: u32| self.factors.get(body as usize).copied().unwrap_or(1.0);
+        of(a).min(of(b))
     }
 }
 

@@ -90,8 +90,9 @@ impl Increment<'_> {
                 continue;
             }
             let Some((exact, moved)) = self.exact(contact, c, u, &end) else { continue };
+            let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(&f);
             if let Some(closing) = self.closing(contact, c, &exact)
-                && !c.limits.slides(&f)
+                && !dilates
             {
                 by_closing += (f[0] - closing.force).abs() * (exact.gaps[1] - contact.gap).abs();
             }

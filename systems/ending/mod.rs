@@ -61,6 +61,8 @@ const LAST_FORCE: f64 = 1e-3;
 const MAX_TURN: f64 = 2.0;
 /// Maximum number of passes. Columns at up to twice their buckling load take 40 in one increment.
 const MAX_PASSES: u32 = 60;
+/// Maximum error with which passes about a time step may end, over that at which they have found its end.
+const MAX_STALLED_ERROR: f64 = 10.0;
 /// Maximum number of passes in which the error does not fall to [`PROGRESS`] of its minimum.
 const MAX_STALLED: u32 = 3;
 /// Part of the error to which a pass with progress reduces it.
@@ -138,20 +140,20 @@ pub fn judge(
         state.list = increment.about(&guess);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
-    } else if is_static || !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING) {
+    } else if is_static || error > MAX_STALLED_ERROR {
         attempt.turn = far.and_then(|far| of_bonded(bodies, far));
-        attempt.verdict = fail(state, is_elastic);
+        let why =
+            format!("it is out of balance by {} of the maximum force", digits(state.imbalance));
+        attempt.verdict = fail(state, is_elastic || !is_static, &why);
     }
 }
 
 /// What follows where passes find no end. Where contacts slide, it is the solution with the geometry
 /// of the start, marked in the history: the next increment begins with what is out of balance.
-pub fn fail(state: &mut Corrections, is_elastic: bool) -> Verdict {
+pub fn fail(state: &mut Corrections, is_elastic: bool, why: &str) -> Verdict {
     if is_elastic {
         return Verdict::TooFar(format!(
-            "the end of the increment is out of balance by {} of the maximum force, and passes about it \
-             do not converge",
-            digits(state.imbalance)
+            "passes about the end of the increment do not converge: {why}"
         ));
     }
     state.give_up();

@@ -1,9 +1,13 @@
-//! Judge: has an impact of the increment closed other pairs?
+//! Judge: has an impact of the increment caused others, and do they gain no energy together?
 //!
 //! The program bounds the closing of a pair that hits nothing by its gap, so that a body which an impact
 //! sends against another one would stop there as in a plastic impact. The program is therefore solved
 //! again with Newton's law of restitution at these pairs too, as if they touched: all impacts of an
-//! increment are simultaneous then, and with e = 1 they keep the energy (Moreau 1988).
+//! increment are simultaneous then, and without friction they gain no energy (Moreau 1988).
+//!
+//! With friction simultaneous impacts may gain some (Kane and Levinson 1985). Each cluster of bodies
+//! that carry forces on each other is therefore checked, and solved again with half of its restitution,
+//! then with none, until it gains nothing.
 
 use bevy_ecs::prelude::*;
 
@@ -11,12 +15,19 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Impacts, Reached};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramBody};
 use clastic_cone::residuals::Carrying;
 
 use super::push_out::residual_overlap;
+use crate::measures::fragments::{join, root};
 
-/// Adds the pairs that an impact has closed, and requests another solution.
+/// Gain of energy over the exchange of energy in a cluster that is no gain: the tolerance of the solver
+/// leaves as much.
+const NO_GAIN: f64 = 1e-6;
+/// Factor of the restitution up to which a cluster that gains has none next.
+const LEAST: f64 = 0.5;
+
+/// Adds what the impacts have caused, and requests another solution.
 pub fn judge(
     settings: (Res<Acceptance>, Res<ClasticAnalysis>, Res<ClasticProgress>),
     bodies: Res<BodyTable>,
@@ -29,61 +40,72 @@ pub fn judge(
 ) {
     let (acceptance, analysis, progress) = settings;
     let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
+    if impacts.hit.is_empty() {
+        return;
+    }
     let dt = dt * progress.fraction;
     let carrying = Carrying::new(&program, &solution);
-    let struck = struck(&program, &impacts, |k| carrying.is_carrying(k));
+    let clusters = Clusters::new(&program, |k| carrying.is_carrying(k));
+    let mut struck = vec![false; program.bodies.len()];
+    for k in impacts.hit.iter().filter(|k| carrying.is_carrying(**k)) {
+        struck[clusters.of(&program.interactions[*k])] = true;
+    }
     let touch = residual_overlap(&acceptance, &bodies);
     let mut new = Vec::new();
     for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
         let pair = (contact.a, contact.b);
-        let is_struck = struck[c.a as usize] || struck[c.b as usize];
         let is_rigid = c.normal_compliance == 0.0 && !c.limits.has_strength();
         // What dilation closes is no impact.
         let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(&solution.forces[k]);
         let is_known = reached.speed(pair).is_some() || impacts.hit.binary_search(&k).is_ok();
-        if is_struck
-            && is_rigid
-            && !is_known
-            && !dilates
-            && contact.gap > touch
-            && carrying.is_carrying(k)
-        {
+        let may_meet = carrying.is_carrying(k) && struck[clusters.of(c)];
+        if may_meet && is_rigid && !is_known && !dilates && contact.gap > touch {
             let by_force = solution.forces[k][0] * mobility(&program, c);
-            new.push((pair, (c.offset + by_force) / dt));
+            let speed = (c.offset + by_force) / dt;
+            new.push((pair, speed));
         }
     }
     if !new.is_empty() {
-        reached.0.extend(new);
-        reached.0.sort_unstable_by_key(|(pair, _)| *pair);
+        reached.pairs.extend(new);
+        reached.pairs.sort_unstable_by_key(|(pair, _)| *pair);
         attempt.verdict = Verdict::Again;
+        return;
+    }
+    let gains = gains(&program, &solution, &clusters, |k| carrying.is_carrying(k));
+    reached.factors.resize(program.bodies.len(), 1.0);
+    for (root, factor) in clusters.root.iter().zip(&mut reached.factors) {
+        let cluster = *root as usize;
+        if gains[cluster] && struck[cluster] && *factor > 0.0 {
+            *factor = if *factor > LEAST { 0.5 * *factor } else { 0.0 };
+            attempt.verdict = Verdict::Again;
+        }
     }
 }
 
-/// Whether an impact reaches a body, through the contacts that carry.
-fn struck(program: &ConeProgram, impacts: &Impacts, carries: impl Fn(usize) -> bool) -> Vec<bool> {
-    let mut struck = vec![false; program.bodies.len()];
-    let carried: Vec<[usize; 2]> = (0..program.interactions.len())
-        .filter(|k| carries(*k))
-        .map(|k| [program.interactions[k].a as usize, program.interactions[k].b as usize])
-        .collect();
-    let ends =
-        |k: &usize| [program.interactions[*k].a as usize, program.interactions[*k].b as usize];
-    for body in impacts.hit.iter().filter(|k| carries(**k)).flat_map(ends) {
-        struck[body] = program.bodies[body].is_free();
-    }
-    let mut grows = !impacts.hit.is_empty();
-    while grows {
-        grows = false;
-        for [a, b] in &carried {
-            for (from, to) in [(*a, *b), (*b, *a)] {
-                if struck[from] && !struck[to] && program.bodies[to].is_free() {
-                    struck[to] = true;
-                    grows = true;
-                }
+/// Bodies that carry forces on each other. A body that cannot move is a cluster of its own.
+struct Clusters {
+    /// The first body of the cluster, by body.
+    root: Vec<u32>,
+    is_free: Vec<bool>,
+}
+
+impl Clusters {
+    fn new(program: &ConeProgram, carries: impl Fn(usize) -> bool) -> Self {
+        let is_free: Vec<bool> = program.bodies.iter().map(ProgramBody::is_free).collect();
+        let mut parents: Vec<u32> = (0..program.bodies.len() as u32).collect();
+        for (k, c) in program.interactions.iter().enumerate() {
+            if carries(k) && is_free[c.a as usize] && is_free[c.b as usize] {
+                join(&mut parents, c.a, c.b);
             }
         }
+        Self { root: (0..parents.len() as u32).map(|i| root(&mut parents, i)).collect(), is_free }
     }
-    struck
+
+    /// The cluster of an interaction: that of the body that can move.
+    fn of(&self, c: &Interaction) -> usize {
+        let body = if self.is_free[c.a as usize] { c.a } else { c.b };
+        self.root[body as usize] as usize
+    }
 }
 
 /// Closing of a pair, m, that a unit normal force takes.
@@ -93,4 +115,50 @@ fn mobility(program: &ConeProgram, c: &Interaction) -> f64 {
         _ => 0.0,
     };
     of(c.a) + of(c.b)
+}
+
+/// Which clusters gain energy by the impulses of their contacts: each does work along the mean of the
+/// relative velocities before and after. What the loads give to bodies at rest, m (a dt)^2/2, is no gain:
+/// rest and impact are told apart to that. A single impact gains nothing.
+fn gains(
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    clusters: &Clusters,
+    carries: impl Fn(usize) -> bool,
+) -> Vec<bool> {
+    // Twice the motion at the mean velocity: with restitution the velocity at the end is u/dt.
+    let twice: Vec<[f64; 3]> = program
+        .bodies
+        .iter()
+        .zip(&solution.displacements)
+        .map(|(body, u)| {
+            [0, 1, 2].map(|k| match &body.dofs[k] {
+                Dof::Free(free) if free.inertia > 0.0 => u[k] + free.momentum / free.inertia,
+                _ => 2.0 * u[k],
+            })
+        })
+        .collect();
+    let (mut taken, mut exchanged) = (vec![0.0; twice.len()], vec![0.0; twice.len()]);
+    let mut contacts = vec![0_u32; twice.len()];
+    for (body, root) in program.bodies.iter().zip(&clusters.root) {
+        for dof in &body.dofs {
+            if let Dof::Free(free) = dof
+                && free.inertia > 0.0
+            {
+                taken[*root as usize] += (free.load - free.momentum).powi(2) / free.inertia;
+            }
+        }
+    }
+    for (k, c) in program.interactions.iter().enumerate().filter(|(k, _)| carries(*k)) {
+        let (f, e) = (&solution.forces[k], program.kinematics(c, &twice));
+        let at_end = program.kinematics(c, &solution.displacements);
+        let cluster = clusters.of(c);
+        contacts[cluster] += 1;
+        for i in 0..3 {
+            taken[cluster] += f[i] * e[i];
+            exchanged[cluster] += (f[i] * (e[i] - at_end[i])).abs() + (f[i] * at_end[i]).abs();
+        }
+    }
+    let gains = |i: usize| contacts[i] > 1 && taken[i] < -NO_GAIN * exchanged[i];
+    (0..taken.len()).map(gains).collect()
 }

@@ -88,7 +88,9 @@ pub fn assemble_rebounds(
     for (k, (contact, c)) in contacts.0.iter().zip(interactions).enumerate() {
         let is_free = |body: u32| rows[body as usize].is_free();
         let Some(x) = approaches[k].filter(|_| is_free(c.a) || is_free(c.b)) else { continue };
-        let e = contact_law(&bodies, &materials, &analysis, contact).restitution;
+        let pair = (contact.a, contact.b);
+        let law = contact_law(&bodies, &materials, &analysis, contact);
+        let e = law.restitution * reached.factor(pair);
         if c.normal_compliance > 0.0 || c.limits.has_strength() || e == 0.0 {
             continue;
         }
@@ -115,9 +117,9 @@ pub fn assemble_rebounds(
             c.offset = free_closing;
             impacts.single.push(Impact { interaction: k, time: dt });
         } else {
-            let is_reached = reached.speed((contact.a, contact.b));
-            let is_hit = is_reached.is_some() || x.speed > 0.0 && free_closing > x.gap;
-            let rebounds = e * is_reached.unwrap_or(x.speed.abs()) > x.pressing * dt;
+            let closing = reached.speed(pair);
+            let is_hit = closing.is_some() || x.speed > 0.0 && free_closing > x.gap;
+            let rebounds = e * closing.unwrap_or(x.speed.abs()) > x.pressing * dt;
             if rebounds && (is_hit || x.speed < 0.0) {
                 let rebound = -e * x.speed * dt;
                 c.offset = if is_hit { rebound } else { c.offset.max(rebound) };

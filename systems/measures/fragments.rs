@@ -22,7 +22,8 @@ pub fn fragments(bodies: &BodyTable) -> Vec<u32> {
     (0..n).map(|row| root(&mut parents, row)).collect()
 }
 
-fn root(parents: &mut [u32], mut row: u32) -> u32 {
+/// The root of a row in a forest of parents.
+pub(crate) fn root(parents: &mut [u32], mut row: u32) -> u32 {
     while parents[row as usize] != row {
         let above = parents[parents[row as usize] as usize];
         parents[row as usize] = above;
@@ -32,7 +33,7 @@ fn root(parents: &mut [u32], mut row: u32) -> u32 {
 }
 
 /// The lower row becomes the root, so that the result does not depend on the order of bonds.
-fn join(parents: &mut [u32], a: u32, b: u32) {
+pub(crate) fn join(parents: &mut [u32], a: u32, b: u32) {
     let (a, b) = (root(parents, a), root(parents, b));
     parents[a.max(b) as usize] = a.min(b);
 }

@@ -21,7 +21,6 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::Corrections;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::measure::{
     CrackSums, ForceComponent, GrainAmount, MembraneValue, NamedMeasures, Quantity, Readings,
@@ -31,9 +30,10 @@ use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
 use clastic_components::poured::Poured;
 use clastic_components::wall::Wall;
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use clastic_cone::residuals::Carrying;
 
+use crate::moved::Moved;
 use crate::state::StateOf;
 use strain::StrainTables;
 use stress::{StressTables, as_it_carried};
@@ -75,37 +75,47 @@ impl StateOf for NamedState {
 /// theta of it, and its compliances and offsets are divided by theta.
 #[must_use]
 pub fn elastic_energy(
-    (contacts, corrections): (&ContactTable, &Corrections),
+    (bodies, contacts): (&BodyTable, &ContactTable),
     program: &ConeProgram,
     solution: &ConeSolution,
     theta: f64,
 ) -> f64 {
-    let shift = |k: usize| contacts.0.get(k).map_or([0.0; 2], |c| corrections.shift(c));
-    stored(program, solution, theta, (theta < 1.0).then_some(shift))
+    let end = Moved::not(bodies);
+    let force = |k: usize, c: &Interaction| {
+        // Links and ties have no gap of their own.
+        let Some(contact) = contacts.0.get(k) else {
+            let closing = program.kinematics(c, &solution.displacements)[0];
+            return (closing / theta - c.offset) / c.normal_compliance;
+        };
+        let born = contact.bond.map_or(0.0, |bond| bodies.bonds[bond as usize].initial_gap);
+        (born - end.gap(bodies, contact.a, contact.b)) / (theta * c.normal_compliance)
+    };
+    stored(program, solution, theta, (theta < 1.0).then_some(force))
 }
 
 /// Elastic energy that a static increment leaves to the next one, J. Normal forces are those of the
 /// gaps: the part with which associated friction has opened a gap ends with the increment.
 #[must_use]
 pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f64 {
-    stored(program, solution, 1.0, Some(|_| [0.0; 2]))
+    let force = |_: usize, c: &Interaction| {
+        let closing = program.kinematics(c, &solution.displacements)[0];
+        (closing - c.offset) / c.normal_compliance
+    };
+    stored(program, solution, 1.0, Some(force))
 }
 
-/// `shift`, by interaction: normal forces follow from the gaps at the end.
+/// `at_end`: normal forces of elastic interactions that follow from the gaps at the end.
 fn stored(
     program: &ConeProgram,
     solution: &ConeSolution,
     theta: f64,
-    shift: Option<impl Fn(usize) -> [f64; 2]>,
+    at_end: Option<impl Fn(usize, &Interaction) -> f64>,
 ) -> f64 {
     let interactions = program.interactions.iter().zip(&solution.forces).enumerate();
     let energies = interactions.map(|(k, (c, &[p, q, tau]))| {
-        let p = match &shift {
-            Some(shift) if c.normal_compliance > 0.0 => {
-                let [turned, lag] = shift(k);
-                let closing = program.kinematics(c, &solution.displacements)[0];
-                let overlap = closing - turned - theta * (c.offset - turned - lag);
-                let p = overlap / (theta * c.normal_compliance);
+        let p = match &at_end {
+            Some(force) if c.normal_compliance > 0.0 => {
+                let p = force(k, c);
                 if c.limits.has_strength() { p } else { p.max(0.0) }
             }
             _ => p,
@@ -143,7 +153,6 @@ pub struct EndTables<'w, 's> {
     contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
-    corrections: Res<'w, Corrections>,
     analysis: Res<'w, ClasticAnalysis>,
     attempt: Res<'w, Attempt>,
     observation: Res<'w, Observation>,
@@ -167,7 +176,7 @@ impl EndTables<'_, '_> {
     fn read(&self, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
         let theta = self.analysis.kind.theta();
         let elastic = || {
-            let tables = (&*self.contacts, &*self.corrections);
+            let tables = (&*self.bodies, &*self.contacts);
             self.carries().then(|| elastic_energy(tables, &self.program, &self.solution, theta))
         };
         match quantity {

@@ -5,7 +5,7 @@ use crate::common::*;
 use clastic::components::energy::EnergyLedger;
 use clastic::run::Simulation;
 use clastic::run::measures::reading;
-use clastic::scene::format::Scene;
+use clastic::scene::format::{Scene, Specimen};
 
 /// Radius, m, and mass, kg, of the disks.
 const R: f64 = 0.01;
@@ -99,5 +99,38 @@ fn elastic_disks_keep_their_energy_at_any_time_step() {
         println!("{steps} steps a period: {:e} to {:e}, {stored} elastic", least - 1.0, most - 1.0);
         assert!(stored > 0.1, "the disks must collide: {stored}");
         assert!(least > 1.0 - 1e-7 && most < 1.0 + 1e-7, "{steps}: {least} to {most}");
+    }
+}
+
+/// Steps of more than a period of a contact, where passes find no end, are halved and not accepted: a gas
+/// gained up to ten thousand times its energy.
+#[test]
+fn a_gas_gains_nothing_in_steps_that_are_far_too_long() {
+    let stiffness = 1e5;
+    let period = 2.0 * std::f64::consts::PI * (0.5 * MASS / stiffness).sqrt();
+    for steps in [0.7, 0.3] {
+        let dt = period / steps;
+        let contact = format!("normal_stiffness: {stiffness:?}");
+        let ([least, most], _) = energies(&gas(16, &contact, dt, 60));
+        println!("{steps} steps a period: {:e} to {:e}", least - 1.0, most - 1.0);
+        assert!(most < 1.0 + 1e-3, "{steps}: up to {most}");
+    }
+}
+
+/// A contact with a coefficient of friction that nothing calls on keeps its energy as one without: a disk
+/// between two walls gained 40 000 times its energy at one step a period.
+#[test]
+fn friction_without_slip_changes_no_energy() {
+    let stiffness = 1e5;
+    let period = 2.0 * std::f64::consts::PI * (MASS / stiffness).sqrt();
+    for steps in [20.0, 3.0, 1.0] {
+        let contact = format!("normal_stiffness: {stiffness:?}, friction: 0.3");
+        let mut scene = gas(1, &contact, period / steps, 400);
+        let Specimen::Particles(disks) = &mut scene.specimen else { unreachable!() };
+        disks[0].velocity = (0.7, 0.0);
+        let ([least, most], stored) = energies(&scene);
+        println!("{steps} steps a period: {:e} to {:e}", least - 1.0, most - 1.0);
+        assert!(stored > 0.1, "the disk must meet the walls: {stored}");
+        assert!(least > 1.0 - 1e-6 && most < 1.0 + 1e-6, "{steps}: {least} to {most}");
     }
 }

@@ -462,12 +462,14 @@ fn a_heap_loses_energy_and_comes_to_rest() {
     }
 }
 
-/// Nineteen disks that fly into each other: momentum holds and the kinetic energy never grows. Not
-/// so with friction and e near 1: Newton's law in normal direction alone may then raise it where
-/// impacts are simultaneous.
+/// Nineteen disks that fly into each other: momentum holds and the kinetic energy never grows. With
+/// friction and e near 1, Newton's law in normal direction alone would raise it where impacts are
+/// simultaneous (0.14 % in one increment here).
 #[test]
 fn a_swarm_keeps_its_momentum_and_gains_no_energy() {
-    for (e, friction) in [(0.5, 0.0), (0.9, 0.0), (1.0, 0.0), (0.5, 0.4), (0.9, 0.4)] {
+    for (e, friction) in
+        [(0.5, 0.0), (0.9, 0.0), (1.0, 0.0), (0.5, 0.4), (0.9, 0.4), (1.0, 0.4), (1.0, 0.8)]
+    {
         let contact = format!("friction: {friction:?}, restitution: {e:?}");
         let mut simulation = Simulation::new(&swarm("Coulomb()", &contact, 1e-4, 1.0, 300), None);
         let before = momentum(&states(&mut simulation)).0;
