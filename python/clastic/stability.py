@@ -10,6 +10,7 @@ stands, the ramp goes on.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
@@ -142,6 +143,10 @@ def stability(
         found = run({"test": "slope", **row}, slope, sets)
         ended_well(found)
         first = next((s["stage"] for s in found.record["stages"] if s["ended_by"] == "collapse"), "ramp")
+        # A slide that came to rest has not collapsed.
+        before = found.history[found.history["stage"] != "ramp"][["stage", "sliding"]].dropna()
+        far = before[before["sliding"] >= float(_let(found, "share"))]
+        first = str(far["stage"].iloc[0]) if len(far) else first
         if first != "ramp":
             raise ValueError(
                 f"{found.path}: it slides in stage {first}, before the ramp: give it more cohesion"
@@ -195,6 +200,14 @@ def stability(
         mechanism=mechanism,
         runs=pandas.DataFrame(folders.rows.values()),
     )
+
+
+def _let(run: Run, name: str) -> str:
+    """A number of ``let`` of the scene of a run."""
+    found = re.search(rf'"{name}":\s*([^,\s)}}]+)', (run.path / "scene.ron").read_text())
+    if found is None:
+        raise ValueError(f"{run.path}: its scene has no `{name}` in `let`")
+    return found[1]
 
 
 def _unit_weight(run: Run, gravity: float) -> float:

@@ -177,6 +177,13 @@ fn report(sweep: &Sweep, points: &[Point]) -> Result<(), Failure> {
              give more increments"
         ))?;
     }
+    if points.is_empty() {
+        say(format_args!(
+            "no run has a peak, so that there is no envelope; the `outcome` of each run says why. A packing that jams \
+             does so at every confining stress: `--prepare SCENE` makes it once"
+        ))?;
+        return write(sweep, points);
+    }
     let mut by_seed: BTreeMap<&str, Vec<Strength>> = BTreeMap::new();
     for point in points {
         by_seed.entry(&point.seed).or_default().push(point.strength);

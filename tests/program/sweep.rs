@@ -342,6 +342,22 @@ fn a_mistake_in_a_preparation_is_told_before_anything_runs() {
     }
 }
 
+/// Packings that jam have no peaks: the command told of "0 peaks from inf to -inf MPa".
+#[test]
+fn an_envelope_of_runs_without_a_peak_is_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().to_str().unwrap();
+    let rig = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/biaxial.ron");
+    let arguments = [
+        &["envelope", rig, "--confining", "50e3,100e3", "--out", out][..],
+        &["--set", "stages.compact.target=Porosity(0.12)"],
+    ]
+    .concat();
+    let said = stdout(&clastic(&arguments).failure());
+    assert!(said.contains("no run has a peak"), "{said}");
+    assert!(!said.contains("inf"), "{said}");
+}
+
 #[test]
 fn an_envelope_says_what_it_needs() {
     for (arguments, told) in [

@@ -16,6 +16,9 @@ const STRETCH: std::ops::Range<f64> = 1e-6..2.0;
 /// Stiffness over pressure and thickness above which a stress in kPa was given as one in Pa. Stresses
 /// of 10 Pa on stiff grains have 1e6.
 const STIFFEST: f64 = 1e7;
+/// Gap of the longest bond that a stage makes, mean radii, above which it joins grains that are no
+/// neighbours: a grain fits between two at a gap of two radii.
+const LONG: f64 = 2.0;
 /// Mean diameter of the grains of a test, m, above which they were given in mm. Those of laboratory
 /// tests are below 0.1 m.
 const LARGE: f64 = 0.1;
@@ -56,6 +59,8 @@ pub(super) fn mistakes(
             "the grains of the test are {mean:.2} m in diameter: lengths are in m, 1 mm is 1e-3"
         ));
     }
+    list.extend(long_bonds(scene, 0.5 * mean));
+    list.extend(rigid_cement(scene));
     list.extend(overlap(scene, seeds));
     list.extend(loose_sides(scene));
     list
@@ -95,6 +100,41 @@ fn stretch(scene: &Scene) -> impl Iterator<Item = (String, f64)> {
         let of = strength * scene.thickness / bond.normal_stiffness?;
         (strength > 0.0 && strength.is_finite()).then_some((path, of))
     })
+}
+
+/// Warnings of bonds that are far longer than the grains.
+fn long_bonds(scene: &Scene, mean: f64) -> Vec<String> {
+    let long = |stage: &Stage| {
+        let Stage::Cement(of) = stage else { return None };
+        let length = of.length.filter(|length| mean > 0.0 && *length > LONG * mean)?;
+        Some(format!(
+            "stages.{}.length is {length:?} m, {:.1} mean radii: bonds as long as that join grains that are no \
+             neighbours; lengths are in m, 1 mm is 1e-3",
+            label(&of.name),
+            length / mean
+        ))
+    };
+    scene.stages.iter().filter_map(long).collect()
+}
+
+/// Warning of a cement that cannot keep the forces of the contacts under it: those of a rigid bond follow
+/// from equilibrium alone.
+fn rigid_cement(scene: &Scene) -> Option<String> {
+    let is_loaded = |k: usize| scene.stages[..k].iter().any(|stage| stage.load().is_some());
+    let at = (0..scene.stages.len())
+        .find(|k| matches!(scene.stages[*k], Stage::Cement(_)) && is_loaded(*k))?;
+    let Stage::Cement(stage) = &scene.stages[at] else { return None };
+    let (name, _) = scene.materials.iter().find(|(_, of)| {
+        let bond = stage.bond.as_ref().or(of.bond.as_ref());
+        bond.is_some_and(|bond| bond.normal_stiffness.is_none())
+            && of.contact.normal_stiffness.is_some()
+    })?;
+    Some(format!(
+        "stage {} cements under load with rigid bonds, while contacts of material {} are elastic: the forces \
+         of its contacts are not kept; give the bond a `normal_stiffness`",
+        label(&stage.name),
+        label(name)
+    ))
 }
 
 /// Warning of disks that overlap at the start by more than linear contacts assume, with each other
