@@ -170,6 +170,13 @@ def test_a_slope_slides_near_the_bound_of_its_own_ground(tmp_path: Path) -> None
         stability(**{"stages.load.increments": 3})
 
 
+def test_a_slope_that_slid_before_the_ramp_has_no_factor(tmp_path: Path) -> None:
+    """A slope of 1 kPa that slides at a tenth of its weight, and lies then, had the factor infinity."""
+    weak = SCENES / "slope.ron", {**SLOPE, "let.cohesion": 1.0e3}
+    with pytest.raises(ValueError, match="slides in stage (settle|weight), before the ramp"):
+        clastic.stability(weak, height=2.0, toes=[(0.75, 0.6)], seeds=[1], out=tmp_path)
+
+
 @pytest.mark.parametrize("floor", ["-10.5", "-100.0"])
 def test_a_grain_that_falls_is_no_slide(tmp_path: Path, floor: str) -> None:
     """Two disks hang from a ceiling. The first bond breaks at 2 r s = f rho pi r^2 g, and its disk, which is 4 % of the
