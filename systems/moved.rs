@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{BodyTable, ContactTable, WallRow};
+use clastic_components::contact::{BodyTable, Contact, ContactTable, WallRow};
 use clastic_cone::program::ConeProgram;
 
 use crate::detect_contacts::gaps::{JOINT, wall_gap};
@@ -47,28 +47,43 @@ impl Moved {
     pub fn gap(&self, bodies: &BodyTable, a: u32, b: u32) -> f64 {
         let (x, r) = (self.positions[a as usize], bodies.radii[a as usize]);
         match bodies.walls.iter().zip(&self.walls).find(|(before, _)| before.body == b) {
-            Some((before, wall)) => {
-                let from = |places: &[DVec2]| places[a as usize] - places[b as usize];
-                let mut way = [from(&bodies.positions), from(&self.positions)];
-                // The path of the centre is taken in the axes of the wall at the end.
-                if before.inward != wall.inward {
-                    let (along, across) =
-                        (before.inward.dot(wall.inward), before.inward.perp_dot(wall.inward));
-                    way[0] = DVec2::new(along, across).rotate(way[0]);
-                }
-                if wall.shape.is_crossed(wall.inward, wall.half_length, way) {
-                    // The centre has passed through the wall: this is an overlap and not a gap.
-                    -r - way[0].distance(way[1])
-                } else {
-                    wall_gap(&self.walls, &self.positions, wall, x, r)
-                }
-            }
+            Some((before, wall)) => match self.passed(bodies, a, (before, wall)) {
+                // The centre has passed through the wall: this is an overlap and not a gap.
+                Some(way) => -r - way,
+                None => wall_gap(&self.walls, &self.positions, wall, x, r),
+            },
             None => {
                 let apart = self.positions[b as usize] - x;
                 let way = self.cell.map_or(apart, |cell| apart + cell.shift(apart));
                 way.length() - r - bodies.radii[b as usize]
             }
         }
+    }
+
+    /// Length of the way of a particle whose centre has passed through a wall, m. The wall is that before
+    /// and after the motion.
+    fn passed(&self, bodies: &BodyTable, a: u32, (before, wall): (&WallRow, &WallRow)) -> Option<f64> {
+        let from = |places: &[DVec2]| places[a as usize] - places[wall.body as usize];
+        let mut way = [from(&bodies.positions), from(&self.positions)];
+        // The path of the centre is taken in the axes of the wall at the end.
+        if before.inward != wall.inward {
+            let (along, across) =
+                (before.inward.dot(wall.inward), before.inward.perp_dot(wall.inward));
+            way[0] = DVec2::new(along, across).rotate(way[0]);
+        }
+        let is_crossed = wall.shape.is_crossed(wall.inward, wall.half_length, way);
+        is_crossed.then(|| way[0].distance(way[1]))
+    }
+
+    /// The first of these contacts with a thin wall whose particle has passed through it.
+    pub fn first_through(&self, bodies: &BodyTable, contacts: &ContactTable) -> Option<[usize; 2]> {
+        let walls = || bodies.walls.iter().zip(&self.walls).filter(|(wall, _)| !wall.is_line());
+        let is_through = |c: &&Contact| {
+            let wall = walls().find(|(wall, _)| wall.body == c.b);
+            wall.is_some_and(|wall| self.passed(bodies, c.a, wall).is_some())
+        };
+        let found = contacts.0.iter().find(is_through)?;
+        Some([found.a as usize, found.b as usize])
     }
 
     /// Whether the program has the contact of a disk with a wall already, as that with another

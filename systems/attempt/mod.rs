@@ -2,7 +2,7 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`], [`restraints`],
-//! [`loose_grains`], [`push_out`], [`reached`], [`dense`]. [`one_round`] then collects the bonds
+//! [`loose_grains`], [`push_out`], [`reached`], [`through_walls`], [`dense`]. [`one_round`] then collects the bonds
 //! on a limit where no judge has chosen others. For a step of a motion only [`converged`],
 //! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
 //! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
@@ -21,6 +21,7 @@ pub mod next;
 pub mod restraints;
 mod run;
 pub mod set_aside;
+pub mod through_walls;
 pub mod too_far;
 
 use bevy_app::{App, Plugin};
@@ -95,6 +96,7 @@ impl Plugin for AttemptPlugin {
                     motion::judge_rest.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),
                     reached::judge.run_if(has_restitution).run_if(in_equilibrium),
+                    through_walls::judge.run_if(in_equilibrium),
                     dense::judge.run_if(in_equilibrium).run_if(dense::is_dense),
                     one_round::collect
                         .run_if(in_equilibrium)

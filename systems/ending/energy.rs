@@ -20,15 +20,20 @@ const MAX_ERROR: f64 = 1e-11;
 /// solver leaves as much. It counts where bodies turn back and have no kinetic energy.
 const NO_WORK: f64 = 1e-13;
 
-/// Work that the geometry of the start does wrongly, over the work that is accepted. `work` is that of
-/// the maximum force along a mean radius, J.
-pub fn error(
+/// Maximum error over the kinetic and the elastic energy, beyond what the step takes, with which passes
+/// that find no end may end. The tolerance of the solver leaves as much in a packing near rest, and in
+/// steps beyond the range of the passes a gas gains a hundredth and more.
+const MAX_STALLED_ERROR: f64 = 1e-6;
+
+/// Work that the geometry of the start does wrongly, over the work that is accepted, and over that with
+/// which a step may end at most. `work` is that of the maximum force along a mean radius, J.
+pub fn errors(
     program: &ConeProgram,
     solution: &ConeSolution,
     ending: &Ending,
     theta: f64,
     work: f64,
-) -> f64 {
+) -> [f64; 2] {
     // Part of the energy of a change that the scheme takes.
     let damping = (theta - 0.5) / theta;
     let u = &solution.displacements;
@@ -59,11 +64,10 @@ pub fn error(
         }
     }
     let wrong = of_turns + of_misfits + ending.by_closing;
-    if wrong > 0.0 {
-        wrong / (ACCEPTED * taken).max(MAX_ERROR * energy + NO_WORK * work)
-    } else {
-        0.0
-    }
+    let no_work = NO_WORK * work;
+    let accepted = (ACCEPTED * taken).max(MAX_ERROR * energy + no_work);
+    let at_most = taken.max(MAX_STALLED_ERROR * energy + no_work);
+    [accepted, at_most].map(|allowed| if wrong > 0.0 { wrong / allowed } else { 0.0 })
 }
 
 fn dot(x: &[f64; 3], y: &[f64; 3]) -> f64 {

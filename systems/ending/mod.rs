@@ -61,8 +61,6 @@ const LAST_FORCE: f64 = 1e-3;
 const MAX_TURN: f64 = 2.0;
 /// Maximum number of passes. Columns at up to twice their buckling load take 40 in one increment.
 const MAX_PASSES: u32 = 60;
-/// Maximum error with which passes about a time step may end, over that at which they have found its end.
-const MAX_STALLED_ERROR: f64 = 10.0;
 /// Maximum number of passes in which the error does not fall to [`PROGRESS`] of its minimum.
 const MAX_STALLED: u32 = 3;
 /// Part of the error to which a pass with progress reduces it.
@@ -116,8 +114,12 @@ pub fn judge(
     };
     // A time step has no other end to go to.
     let growth = if is_static { growth } else { 0.0 };
+    let mut is_lost = true;
     let error = if let Some(theta) = increment.theta {
-        energy::error(program, solution, &ending, theta, unit * bodies.mean_radius)
+        let work = unit * bodies.mean_radius;
+        let [error, over] = energy::errors(program, solution, &ending, theta, work);
+        is_lost = over > 1.0;
+        error
     } else if is_elastic {
         let idle = motion.over_own(&idle, growth);
         state.idle_motion = Some(idle);
@@ -140,7 +142,7 @@ pub fn judge(
         state.list = increment.about(&guess);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
-    } else if is_static || error > MAX_STALLED_ERROR {
+    } else if is_lost {
         attempt.turn = far.and_then(|far| of_bonded(bodies, far));
         let why =
             format!("it is out of balance by {} of the maximum force", digits(state.imbalance));
