@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{BodyTable, Contact, ContactTable, WallRow};
+use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_cone::program::ConeProgram;
 
 use crate::detect_contacts::gaps::{JOINT, wall_gap};
@@ -62,7 +62,12 @@ impl Moved {
 
     /// Length of the way of a particle whose centre has passed through a wall, m. The wall is that before
     /// and after the motion.
-    fn passed(&self, bodies: &BodyTable, a: u32, (before, wall): (&WallRow, &WallRow)) -> Option<f64> {
+    fn passed(
+        &self,
+        bodies: &BodyTable,
+        a: u32,
+        (before, wall): (&WallRow, &WallRow),
+    ) -> Option<f64> {
         let from = |places: &[DVec2]| places[a as usize] - places[wall.body as usize];
         let mut way = [from(&bodies.positions), from(&self.positions)];
         // The path of the centre is taken in the axes of the wall at the end.
@@ -75,15 +80,14 @@ impl Moved {
         is_crossed.then(|| way[0].distance(way[1]))
     }
 
-    /// The first of these contacts with a thin wall whose particle has passed through it.
-    pub fn first_through(&self, bodies: &BodyTable, contacts: &ContactTable) -> Option<[usize; 2]> {
-        let walls = || bodies.walls.iter().zip(&self.walls).filter(|(wall, _)| !wall.is_line());
-        let is_through = |c: &&Contact| {
-            let wall = walls().find(|(wall, _)| wall.body == c.b);
-            wall.is_some_and(|wall| self.passed(bodies, c.a, wall).is_some())
-        };
-        let found = contacts.0.iter().find(is_through)?;
-        Some([found.a as usize, found.b as usize])
+    /// The first particle that has passed through a thin wall, and the wall.
+    pub fn first_through(&self, bodies: &BodyTable) -> Option<[usize; 2]> {
+        let walls = bodies.walls.iter().zip(&self.walls).filter(|(wall, _)| !wall.is_line());
+        let mut pairs = walls.flat_map(|wall| (0..bodies.particles as u32).map(move |a| (a, wall)));
+        let found = pairs.find(|(a, wall)| {
+            !bodies.are_joined(*a, wall.0.body) && self.passed(bodies, *a, *wall).is_some()
+        })?;
+        Some([found.0 as usize, found.1.0.body as usize])
     }
 
     /// Whether the program has the contact of a disk with a wall already, as that with another

@@ -137,7 +137,7 @@ scenes! {
     ];
     // It slides where the motion finds no rest, under 2.25 times its weight.
     slope: "slope", COLLAPSES, &[
-        ("porosity", 0.1623057063707778),
+        ("porosity", 0.16231649984393948),
         ("bonds_created", 2500.0),
     ];
     slope_block: "slope_block", COMPLETES, &[

@@ -1,4 +1,4 @@
-//! Judge: does a time step take a particle through a thin wall that it touches or comes near?
+//! Judge: does a time step take a particle through a thin wall?
 //!
 //! The program has the normal of the start. A particle that travels by many radii may find the wall
 //! elsewhere: beyond the tangent of an arc, or past the corner of two segments. The step is then halved.
@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::Impacts;
+use clastic_components::findings::{Impacts, Pushed};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
@@ -15,14 +15,14 @@ use crate::impacts::paths::paths;
 use crate::moved::Moved;
 use crate::places::near;
 
-/// Rejects a time step in which the centre of a particle passes through a wall of its contacts.
+/// Rejects a time step in which the centre of a particle passes through a thin wall.
 pub fn judge(
     settings: (Res<Acceptance>, Res<ClasticAnalysis>, Res<ClasticProgress>),
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     program: Res<ConeProgram>,
     solution: Res<ConeSolution>,
-    impacts: Res<Impacts>,
+    (pushed, impacts): (Res<Pushed>, Res<Impacts>),
     mut attempt: ResMut<Attempt>,
 ) {
     let (acceptance, analysis, progress) = settings;
@@ -31,12 +31,13 @@ pub fn judge(
         return;
     }
     let (bodies, contacts) = (&*bodies, &*contacts);
-    let motion = paths(
-        bodies, contacts, &analysis, &acceptance, &progress, &program, &solution, &impacts,
-    );
-    let motion = motion.as_ref().unwrap_or(&solution.displacements);
-    if let Some(pair) = Moved::by(bodies, &program, motion, 1.0).first_through(bodies, contacts) {
+    let motion =
+        paths(bodies, contacts, &analysis, &acceptance, &progress, &program, &solution, &impacts);
+    // A motion that separates overlaps moves the bodies instead.
+    let motion = pushed.0.as_ref().or(motion.as_ref()).unwrap_or(&solution.displacements);
+    if let Some(pair) = Moved::by(bodies, &program, motion, 1.0).first_through(bodies) {
         let pair = near(bodies, pair);
-        attempt.verdict = Verdict::TooFar(format!("a time step takes one through the other: {pair}"));
+        attempt.verdict =
+            Verdict::TooFar(format!("a time step takes one through the other: {pair}"));
     }
 }

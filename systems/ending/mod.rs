@@ -19,8 +19,8 @@
 //! In statics, passes are for what guides a body over many increments: elastic bonds, rigid groups and
 //! curved walls. Rigid bonds that form a loop leave no room for gaps that the program does not have.
 //! The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
-//! come closer to those with passes. There the out-of-balance force is recorded. In time steps passes
-//! also are for elastic contacts, since they keep the energy of an impact.
+//! come closer to those with passes. There the out-of-balance force is recorded. In time steps with
+//! theta < 1 passes also are for elastic contacts, since they keep the energy of an impact.
 
 mod energy;
 pub mod geometry;
@@ -114,11 +114,14 @@ pub fn judge(
     };
     // A time step has no other end to go to.
     let growth = if is_static { growth } else { 0.0 };
-    let mut is_lost = true;
+    let keeps_energy = tables.keeps_energy();
+    let mut is_lost = is_static || !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING);
     let error = if let Some(theta) = increment.theta {
         let work = unit * bodies.mean_radius;
         let [error, over] = energy::errors(program, solution, &ending, theta, work);
-        is_lost = over > 1.0;
+        if keeps_energy {
+            is_lost = over > 1.0;
+        }
         error
     } else if is_elastic {
         let idle = motion.over_own(&idle, growth);
@@ -146,7 +149,7 @@ pub fn judge(
         attempt.turn = far.and_then(|far| of_bonded(bodies, far));
         let why =
             format!("it is out of balance by {} of the maximum force", digits(state.imbalance));
-        attempt.verdict = fail(state, is_elastic || !is_static, &why);
+        attempt.verdict = fail(state, is_elastic || keeps_energy, &why);
     }
 }
 
@@ -215,6 +218,12 @@ impl Tables<'_> {
         self.analysis.kind == AnalysisKind::Static
     }
 
+    /// Whether a time step keeps the energy: theta = 1 takes more of it than the geometry of the start
+    /// does wrongly.
+    fn keeps_energy(&self) -> bool {
+        matches!(self.analysis.kind, AnalysisKind::Dynamic { theta, .. } if theta < 1.0)
+    }
+
     /// Whether something guides bodies over many increments.
     fn is_guided(&self) -> bool {
         let is_static = self.is_static();
@@ -224,7 +233,8 @@ impl Tables<'_> {
             WallShape::Line => false,
         };
         let mut all = self.program.interactions.iter();
-        all.any(|c| c.normal_compliance > 0.0 && (c.limits.has_strength() || !is_static))
+        let contacts_guide = self.keeps_energy();
+        all.any(|c| c.normal_compliance > 0.0 && (c.limits.has_strength() || contacts_guide))
             || !self.bodies.groups.is_empty()
             || self.bodies.walls.iter().any(guides)
     }

@@ -367,3 +367,34 @@ fn joints_in_a_line_are_not_felt() {
         assert_within(*end, ends[0], 1e-4);
     }
 }
+
+/// Disks left a closed polyline and a circle at 6 to 17 radii an increment: past the corner of two
+/// segments, and beyond the tangent of an arc.
+#[test]
+fn no_disk_leaves_a_closed_wall_however_far_an_increment_takes_it() {
+    let boxed =
+        "start: (0.0, 0.0), end: (0.0, 0.0), shape: Polyline([(1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])";
+    let round = "start: (0.0, 0.5), end: (0.0, 0.5), shape: Arc(through: (1.0, 0.5))";
+    for contact in ["restitution: 1.0", "normal_stiffness: 1e7"] {
+        for (wall, half) in [(boxed, 0.5), (round, 0.5)] {
+            for speed in [3.0, 4.7, 8.3, 15.0] {
+                let scene = parse(&format!(
+                    "(version: 1, title: \"closed\", analysis: Dynamic(dt: 0.1),
+                    materials: {{\"a\": (contact: ({contact}))}},
+                    specimen: Particles([(position: (0.37, 0.52), radius: 0.05, velocity: ({speed:?}, 2.41))]),
+                    walls: [(name: \"closed\", {wall}, contact: ({contact}))],
+                    stages: [Load(name: \"run\", increments: 100)])"
+                ));
+                let mut simulation = Simulation::new(&scene, None);
+                while let Some(record) = next(&mut simulation) {
+                    let at = states(&mut simulation)[0].position - DVec2::splat(0.5);
+                    assert!(
+                        at.x.abs() <= half && at.y.abs() <= half,
+                        "{wall}, {contact}, {speed} m/s: outside in increment {}",
+                        record.increment
+                    );
+                }
+            }
+        }
+    }
+}
