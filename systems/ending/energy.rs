@@ -2,14 +2,13 @@
 //!
 //! With theta = 1/2 the scheme keeps the energy of the motion that its program describes. The turn of
 //! normals and the misfit of gaps and slips do work on the way that no balance accounts for, in
-//! each step with the same sign: a pendulum gains its own energy in a few swings. Where friction,
-//! impacts and the damping of theta > 1/2 take ten times as much in the same step, it changes nothing
-//! that matters.
+//! each step with the same sign: a pendulum gains its own energy in a few swings. Where friction
+//! and impacts take ten times as much in the same step, it changes nothing that matters.
 
 use super::geometry::Ending;
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 
-/// Part of the energy that friction, impacts and the damping take which may be wrong. At 1 a hopper of
+/// Part of the energy that friction and impacts take which may be wrong. At 1 a hopper of
 /// elastic grains in steps of half a period of a contact gains twice the energy that its grains have
 /// fallen by, at 0.1 it loses 2 % of it.
 const ACCEPTED: f64 = 0.1;
@@ -31,11 +30,8 @@ pub fn errors(
     program: &ConeProgram,
     solution: &ConeSolution,
     ending: &Ending,
-    theta: f64,
     work: f64,
 ) -> [f64; 2] {
-    // Part of the energy of a change that the scheme takes.
-    let damping = (theta - 0.5) / theta;
     let u = &solution.displacements;
     let of_turns: f64 = u.iter().zip(&ending.loads).map(|(u, r)| dot(u, r).abs()).sum();
     let (mut of_misfits, mut taken, mut energy) = (0.0, 0.0, 0.0);
@@ -49,8 +45,6 @@ pub fn errors(
             energy += 0.5 * compliance[i] * f[i] * f[i];
             if compliance[i] == 0.0 || gives_way[i] {
                 taken += (f[i] * e[i]).abs();
-            } else if f[i] != 0.0 {
-                taken += damping * e[i] * e[i] / compliance[i];
             }
         }
     }
@@ -58,8 +52,6 @@ pub fn errors(
         for (dof, u) in body.dofs.iter().zip(u) {
             if let Dof::Free(free) = dof {
                 energy += 0.5 * free.inertia * u * u;
-                let change = u - free.momentum / free.inertia;
-                taken += damping * free.inertia * change * change;
             }
         }
     }

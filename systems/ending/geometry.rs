@@ -183,6 +183,11 @@ impl Increment<'_> {
         let place = theta.map_or(1.0, |theta| 1.0 - theta);
         let (a, b) = (contact.a as usize, contact.b as usize);
         let is_pair = b < bodies.particles;
+        // Constant normals keep rigid disks apart: |x| >= n . x.
+        let is_rigid = c.normal_compliance == 0.0 && !c.limits.has_strength();
+        if theta.is_some() && is_pair && is_rigid {
+            return None;
+        }
         let is_grouped = bodies.group(a).is_some() || bodies.group(b).is_some();
         let start =
             if is_pair { bodies.way(a, b) } else { bodies.positions[b] - bodies.positions[a] };

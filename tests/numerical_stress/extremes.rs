@@ -213,8 +213,14 @@ fn thetas_and_time_steps() {
                 "normal_stiffness: 1.0e7, tangential_stiffness: 5.0e6, friction: 0.5",
             ] {
                 let head = format!("analysis: Dynamic(dt: {dt:?}, theta: {theta:?})");
-                if sound(&pile(&head, contact, 10)) != Outcome::Completed {
-                    stopped.push((theta, dt, contact));
+                match sound(&pile(&head, contact, 10)) {
+                    Outcome::Completed => {}
+                    // Hundreds of periods of a contact in a step that shall keep its energy: a refusal
+                    // with what to do, and no explosion.
+                    Outcome::Undecided { message, .. } if theta < 1.0 && dt >= 0.1 => {
+                        assert!(message.contains("a smaller `dt` resolves"), "{message}");
+                    }
+                    _ => stopped.push((theta, dt, contact)),
                 }
             }
         }
