@@ -23,6 +23,8 @@ const NOT_PASSED: &str = "the test ends before the axial stress has fallen by a 
                           rise at a larger strain, and without a collapse";
 const NO_LATERAL_STRAIN: &str = "no lateral strain is measured";
 const NO_BONDS: &str = "the specimen has no bonds";
+const NOTHING_BROKE: &str =
+    "no bond has broken: the stress was taken away, or grains without bonds gave way";
 const CONTRACTS: &str = "the volume shrinks up to the peak";
 
 impl KeyResults {
@@ -89,6 +91,10 @@ impl KeyResults {
     /// Place and point of the peak, if the test has passed it.
     pub(super) fn strength(&self) -> Result<(usize, Point), &'static str> {
         let peak = self.peak()?;
+        let broken = self.curve.last().map_or(0, |last| last.broken);
+        if self.results.bonds_created > 0 && broken == self.start.broken {
+            return Err(NOTHING_BROKE);
+        }
         let place = self.peak.ok_or(NOT_PASSED)?;
         let at = *self.curve.get(place).ok_or(NOT_PASSED)?;
         if !self.lateral_stays(self.curve[..=place].iter()) {

@@ -323,6 +323,9 @@ fn a_test_that_ends_before_its_peak_has_no_strength() {
     for name in ["strength_pa", "residual_strength_pa", "crack_initiation_stress_pa"] {
         assert!(reason(&results, name).contains("the test ends before"), "{name}");
     }
+    // A stress that was imposed and taken away broke nothing: a tunnel had a "strength".
+    let bonded: Vec<_> = whole().iter().map(|row| Row { broken: 0, ..*row }).collect();
+    assert!(reason(&tested(&bonded, 1000), "strength_pa").contains("no bond has broken"));
     // Unloading is no failure: the strain falls with the stress.
     let mut unloaded = whole()[..5].to_vec();
     unloaded.extend([row(0.03, -0.045, 350.0, 205), row(0.02, -0.04, 200.0, 205)]);
