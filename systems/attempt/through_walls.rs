@@ -6,7 +6,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{BodyTable, ContactTable};
+use clastic_components::contact::{BodyTable, ContactTable, WallRow};
 use clastic_components::findings::{Impacts, Pushed};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -27,7 +27,7 @@ pub fn judge(
 ) {
     let (acceptance, analysis, progress) = settings;
     let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
-    if !is_dynamic || bodies.walls.iter().all(|wall| wall.is_line()) {
+    if !is_dynamic || bodies.walls.iter().all(WallRow::is_line) {
         return;
     }
     let (bodies, contacts) = (&*bodies, &*contacts);
