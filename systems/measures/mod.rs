@@ -21,6 +21,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyExternalForce, LastMotion};
 use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{BodyTable, ContactTable};
+use clastic_components::findings::Corrections;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::measure::{
     CrackSums, ForceComponent, GrainAmount, MembraneValue, NamedMeasures, Quantity, Readings,
@@ -72,23 +73,28 @@ impl StateOf for NamedState {
 
 /// Elastic energy of the contacts and bonds at the end of an increment,
 /// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The forces of a program are those at the point
-/// theta of it, and its compliances and offsets are divided by theta.
+/// theta of it, and its compliances and offsets are divided by theta. `bodies` are those at the end, the
+/// other tables those of the increment.
 #[must_use]
 pub fn elastic_energy(
-    (bodies, contacts): (&BodyTable, &ContactTable),
+    (bodies, contacts, corrections): (&BodyTable, &ContactTable, &Corrections),
     program: &ConeProgram,
     solution: &ConeSolution,
     theta: f64,
 ) -> f64 {
     let end = Moved::not(bodies);
     let force = |k: usize, c: &Interaction| {
-        // Links and ties have no gap of their own.
-        let Some(contact) = contacts.0.get(k) else {
-            let closing = program.kinematics(c, &solution.displacements)[0];
-            return (closing / theta - c.offset) / c.normal_compliance;
+        let contact = contacts.0.get(k);
+        let overlap = match contact.filter(|contact| contact.bond.is_none()) {
+            // With the normal of the start two bodies that pass each other would overlap.
+            Some(contact) => -end.gap(bodies, contact.a, contact.b),
+            None => {
+                let [turned, _] = contact.map_or([0.0; 2], |contact| corrections.shift(contact));
+                let closing = program.kinematics(c, &solution.displacements)[0];
+                closing - turned - theta * (c.offset - turned)
+            }
         };
-        let born = contact.bond.map_or(0.0, |bond| bodies.bonds[bond as usize].initial_gap);
-        (born - end.gap(bodies, contact.a, contact.b)) / (theta * c.normal_compliance)
+        overlap / (theta * c.normal_compliance)
     };
     stored(program, solution, theta, (theta < 1.0).then_some(force))
 }
@@ -153,6 +159,7 @@ pub struct EndTables<'w, 's> {
     contacts: Res<'w, ContactTable>,
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
+    corrections: Res<'w, Corrections>,
     analysis: Res<'w, ClasticAnalysis>,
     attempt: Res<'w, Attempt>,
     observation: Res<'w, Observation>,
@@ -176,7 +183,7 @@ impl EndTables<'_, '_> {
     fn read(&self, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
         let theta = self.analysis.kind.theta();
         let elastic = || {
-            let tables = (&*self.bodies, &*self.contacts);
+            let tables = (&*self.bodies, &*self.contacts, &*self.corrections);
             self.carries().then(|| elastic_energy(tables, &self.program, &self.solution, theta))
         };
         match quantity {

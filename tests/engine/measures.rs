@@ -7,7 +7,7 @@ use clastic::run::measures::reading;
 use clastic::run::{Simulation, Step};
 use glam::DVec2;
 
-use crate::common::{assert_relative, assert_within, next, parse};
+use crate::common::{assert_relative, assert_within, next, parse, states};
 
 /// Normal stiffness, shear stiffness, N/m; strain of an increment.
 const K: [f64; 2] = [1.0e6, 0.4e6];
@@ -206,6 +206,37 @@ fn a_crack_has_the_length_and_the_direction_of_the_bond_that_broke() {
     assert_eq!((length, sheared, fragments), (4.0, 0.0, 4.0));
     assert_within(along, PI * 112.5 / 180.0, 1e-9);
     assert_within(alike, 0.5_f64.sqrt(), 1e-9);
+}
+
+/// A bond that breaks leaves the table of bonds, in which the measure looked for it.
+#[test]
+fn the_elastic_energy_where_a_bond_breaks_is_that_of_the_bonds_that_hold() {
+    let scene = parse(
+        r#"(version: 1, title: "breaks", analysis: Dynamic(dt: 1e-6, theta: 0.5),
+        materials: {"m": (density: 2500.0, contact: (normal_stiffness: 1e8),
+            bond: (normal_stiffness: 1e8, tangential_stiffness: 4e7, cohesion: 1e6, tensile_strength: 1e5))},
+        specimen: Particles([
+            (position: (0.0, 0.0), radius: 5e-3, velocity: (-1.0, 0.0)),
+            (position: (0.01, 0.0), radius: 5e-3, velocity: (1.0, 0.0)),
+            (position: (0.0, 0.1), radius: 5e-3, velocity: (-1e-3, 0.0)),
+            (position: (0.01, 0.1), radius: 5e-3, velocity: (1e-3, 0.0))]),
+        bonds: [(a: 0, b: 1), (a: 2, b: 3)],
+        stages: [Load(name: "l", increments: 40)],
+        measures: [(name: "ee", of: ElasticEnergy)])"#,
+    );
+    let mut simulation = Simulation::new(&scene, None);
+    let mut bonds: Vec<usize> = Vec::new();
+    while let Some(record) = next(&mut simulation) {
+        let has_broken = bonds.last() == Some(&1);
+        bonds.push(record.bonds);
+        if has_broken {
+            let stored = reading(simulation.world(), "ee").unwrap();
+            let states = states(&mut simulation);
+            let stretch = states[3].position.distance(states[2].position) - 0.01;
+            assert_relative(stored, 0.5e8 * stretch * stretch, 1e-6);
+        }
+    }
+    assert_eq!((bonds[0], bonds[bonds.len() - 1]), (2, 1), "one bond breaks");
 }
 
 /// Two bonded disks fly apart and back: their energy stays, whatever the phase, with theta = 1/2.
