@@ -145,7 +145,7 @@ def stability(
         first = next((s["stage"] for s in found.record["stages"] if s["ended_by"] == "collapse"), "ramp")
         # A slide that came to rest has not collapsed.
         before = found.history[found.history["stage"] != "ramp"][["stage", "sliding"]].dropna()
-        far = before[before["sliding"] >= float(_let(found, "share"))]
+        far = before[before["sliding"] >= _let(found, "share")]
         first = str(far["stage"].iloc[0]) if len(far) else first
         if first != "ramp":
             raise ValueError(
@@ -202,12 +202,13 @@ def stability(
     )
 
 
-def _let(run: Run, name: str) -> str:
+def _let(run: Run, name: str) -> float:
     """A number of ``let`` of the scene of a run."""
     found = re.search(rf'"{name}":\s*([^,\s)}}]+)', (run.path / "scene.ron").read_text())
-    if found is None:
-        raise ValueError(f"{run.path}: its scene has no `{name}` in `let`")
-    return found[1]
+    try:
+        return float(found[1] if found else "")
+    except ValueError:
+        raise ValueError(f"{run.path}: its scene has no number `{name}` in `let`") from None
 
 
 def _unit_weight(run: Run, gravity: float) -> float:

@@ -126,37 +126,29 @@ fn gains(
     clusters: &Clusters,
     carries: impl Fn(usize) -> bool,
 ) -> Vec<bool> {
-    // Twice the motion at the mean velocity: with restitution the velocity at the end is u/dt.
-    let twice: Vec<[f64; 3]> = program
-        .bodies
-        .iter()
-        .zip(&solution.displacements)
-        .map(|(body, u)| {
-            [0, 1, 2].map(|k| match &body.dofs[k] {
-                Dof::Free(free) if free.inertia > 0.0 => u[k] + free.momentum / free.inertia,
-                _ => 2.0 * u[k],
-            })
-        })
-        .collect();
-    let (mut taken, mut exchanged) = (vec![0.0; twice.len()], vec![0.0; twice.len()]);
-    let mut contacts = vec![0_u32; twice.len()];
-    for (body, root) in program.bodies.iter().zip(&clusters.root) {
-        for dof in &body.dofs {
+    // Motion of the step at the velocity before; with restitution that at the end is u/dt.
+    let mut motion_before = solution.displacements.clone();
+    // Twice the work of the contacts.
+    let n = program.bodies.len();
+    let (mut taken, mut exchanged, mut contacts) = (vec![0.0; n], vec![0.0; n], vec![0_u32; n]);
+    for ((body, root), u) in program.bodies.iter().zip(&clusters.root).zip(&mut motion_before) {
+        for (dof, u) in body.dofs.iter().zip(u) {
             if let Dof::Free(free) = dof
                 && free.inertia > 0.0
             {
+                *u = free.momentum / free.inertia;
                 taken[*root as usize] += (free.load - free.momentum).powi(2) / free.inertia;
             }
         }
     }
     for (k, c) in program.interactions.iter().enumerate().filter(|(k, _)| carries(*k)) {
-        let (f, e) = (&solution.forces[k], program.kinematics(c, &twice));
-        let at_end = program.kinematics(c, &solution.displacements);
+        let before = program.kinematics(c, &motion_before);
+        let after = program.kinematics(c, &solution.displacements);
         let cluster = clusters.of(c);
         contacts[cluster] += 1;
-        for i in 0..3 {
-            taken[cluster] += f[i] * e[i];
-            exchanged[cluster] += (f[i] * (e[i] - at_end[i])).abs() + (f[i] * at_end[i]).abs();
+        for (f, (before, after)) in solution.forces[k].iter().zip(before.iter().zip(after)) {
+            taken[cluster] += f * (before + after);
+            exchanged[cluster] += (f * before).abs() + (f * after).abs();
         }
     }
     let gains = |i: usize| contacts[i] > 1 && taken[i] < -NO_GAIN * exchanged[i];
