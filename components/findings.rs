@@ -120,6 +120,8 @@ pub struct Correction {
     /// Motion across the normal at the guess, m, at which a [tie](crate::findings::Restraints) of
     /// the pair has no force.
     pub tie: f64,
+    /// Tension of the pair in the solution that led to the guess, N; negative in compression.
+    pub tension: f64,
     /// Gap, m, by which an elastic contact is further apart in a time step than on the line from its gap
     /// at the start to that at the end, measured by the mean force: it closes, opens or turns.
     pub lag: f64,

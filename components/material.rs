@@ -86,6 +86,18 @@ impl BondLaw {
             tensile_strength: self.tensile_strength.min(other.tensile_strength),
         }
     }
+
+    /// The law with the compliances of a contact where it has none.
+    #[must_use]
+    pub fn on(self, contact: &ContactLaw) -> Self {
+        let or = |own: f64, of_contact: f64| if own > 0.0 { own } else { of_contact };
+        Self {
+            normal_compliance: or(self.normal_compliance, contact.normal_compliance),
+            tangential_compliance: or(self.tangential_compliance, contact.tangential_compliance),
+            rolling_compliance: or(self.rolling_compliance, contact.rolling_compliance),
+            ..self
+        }
+    }
 }
 
 /// Material of particles. The default is rigid and frictionless, and forms no bonds.

@@ -4,7 +4,8 @@ use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::material::{ContactLaw, Materials};
 
-/// Law of a contact: that of the wall, or that of the two materials.
+/// Law of a contact in an increment: without friction in a compaction, and with the friction that an
+/// increment leaves.
 #[must_use]
 pub fn contact_law(
     bodies: &BodyTable,
@@ -15,18 +16,21 @@ pub fn contact_law(
     if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         return ContactLaw::rigid_frictionless();
     }
-    let (a, b) = (contact.a as usize, contact.b as usize);
-    let mut law = if b < bodies.particles {
-        materials.contact(bodies.materials[a], bodies.materials[b])
-    } else {
-        bodies
-            .walls
-            .binary_search_by_key(&contact.b, |w| w.body)
-            .map_or_else(|_| ContactLaw::default(), |k| bodies.walls[k].law)
-    };
+    let mut law = law_of_pair(bodies, materials, contact);
     law.friction *= analysis.strength;
     law.rolling_friction *= analysis.strength;
     law
+}
+
+/// Law of a contact: that of the wall, or that of the two materials.
+#[must_use]
+pub fn law_of_pair(bodies: &BodyTable, materials: &Materials, contact: &Contact) -> ContactLaw {
+    let (a, b) = (contact.a as usize, contact.b as usize);
+    if b < bodies.particles {
+        return materials.contact(bodies.materials[a], bodies.materials[b]);
+    }
+    let wall = bodies.walls.binary_search_by_key(&contact.b, |wall| wall.body);
+    wall.map_or_else(|_| ContactLaw::default(), |k| bodies.walls[k].law)
 }
 
 /// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It

@@ -74,8 +74,13 @@ pub fn summary(of: &Summary) -> String {
         // The strength is the peak of a test that has passed it.
         let name = if r.strength_pa.is_some() { "strength (peak stress)" } else { "peak stress" };
         let capped = if r.peak_is_capped { " (capped)" } else { "" };
+        // An unloading after the test would be the reference stage without a word.
+        let loads = script.scene.stages.iter().filter(|stage| stage.load().is_some());
+        let reference = script.scene.stages.get(script.reference_stage());
+        let of = reference.filter(|_| loads.count() > 1);
+        let of = of.map_or(String::new(), |of| format!(" of stage {}", label(of.name())));
         parts.push(format!(
-            "{name}{capped} {} at a strain of {:.4} %",
+            "{name}{capped} {} at a strain of {:.4} %{of}",
             stress(peak),
             100.0 * strain
         ));

@@ -89,8 +89,8 @@ fn jammed(world: &mut World, stage: &Compact) -> String {
         format!(": at a {at}, a porosity of {:.4}", reached.porosity)
     });
     format!(
-        "a greater {targets} as the target (the packing is jammed before this one{reached}), or \
-         another seed"
+        "`target: Jammed`, as dense as it gets, or a greater {targets} (the packing is jammed before this \
+         one{reached}), or another seed"
     )
 }
 

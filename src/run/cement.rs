@@ -1,5 +1,7 @@
 //! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact
-//! carries its bond goes on carrying, so that the state stays as it is.
+//! carries its bond goes on carrying, so that the state stays as it is. A bond without a stiffness
+//! of its own therefore has that of its contact: rigid bonds on elastic contacts would carry
+//! whatever balances the loads.
 
 use bevy_ecs::prelude::*;
 
@@ -8,8 +10,8 @@ use clastic_components::bond::Bond;
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::material::{BondLaw, Materials};
-use clastic_systems::contact_laws::contact_law;
+use clastic_components::material::{BondLaw, ContactLaw, Materials};
+use clastic_systems::contact_laws::law_of_pair;
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};
 use clastic_systems::detect_contacts::grid::pairs_within;
 use clastic_systems::detect_contacts::periodic;
@@ -54,12 +56,13 @@ pub(super) fn refusal(world: &mut World, stage: &Cement) -> Option<String> {
     let (bodies, _) = gathered(world);
     let takes_part = members(world, &bodies, stage);
     if let Some(length) = stage.length {
-        let is_empty = near(&bodies, stage, &takes_part, length).is_empty();
+        let pairs = near(&bodies, stage, &takes_part, length);
+        let is_empty = pairs.iter().all(|contact| is_bonded(&bodies, contact));
         let to_walls = !stage.particles && bodies.walls.is_empty();
         let what = if to_walls {
             "no wall is there"
         } else {
-            "no gap of a pair that it selects is below that"
+            "no gap of a pair without a bond that it selects is below that"
         };
         return is_empty.then(|| {
             format!(
@@ -161,13 +164,11 @@ fn gathered(world: &mut World) -> (BodyTable, ContactHistory) {
     (bodies, history)
 }
 
-/// Normal force of the contact before it is bonded, N. A pair that no increment has loaded carries
+/// Normal force of a contact before it is bonded, N. A pair that no increment has loaded carries
 /// nothing, whatever its overlap.
-fn carried(world: &World, bodies: &BodyTable, history: &ContactHistory, contact: &Contact) -> f64 {
+fn carried(world: &World, history: &ContactHistory, contact: &Contact, law: &ContactLaw) -> f64 {
     let Some(memory) = history.get(contact.a, contact.b) else { return 0.0 };
-    let analysis = world.resource::<ClasticAnalysis>();
-    let law = contact_law(bodies, world.resource::<Materials>(), analysis, contact);
-    match analysis.kind {
+    match world.resource::<ClasticAnalysis>().kind {
         // The memory of a time step is the mean over the step.
         AnalysisKind::Dynamic { .. } if law.normal_compliance > 0.0 => {
             (-contact.gap / law.normal_compliance).max(0.0)
@@ -199,10 +200,12 @@ fn add(
     let law_of = |body: u32| {
         let index = *bodies.materials.get(body as usize)? as usize;
         let bond = of_scene.and_then(|laws| laws.0.get(index).copied().flatten());
-        match bond.filter(|bond| bond.scatter.is_some()) {
-            Some(bond) => Some(scattered(&bond, places)),
-            None => materials.0[index].bond,
-        }
+        let law = match bond.filter(|bond| bond.scatter.is_some()) {
+            Some(bond) => scattered(&bond, places),
+            None => materials.0[index].bond?,
+        };
+        // Each material first: the mean of a stiffness and none would be twice the one.
+        Some(law.on(&materials.0[index].contact))
     };
     let of_bodies = || {
         if b as usize >= bodies.particles {
@@ -214,9 +217,11 @@ fn add(
     let law = law.map(|law| scattered(law, places)).or_else(of_bodies);
     let Some(law) = law else { return };
     let [a, b] = [a, b].map(|row| bodies.ids[row as usize]);
+    let of_contact = law_of_pair(bodies, materials, contact);
+    let law = law.on(&of_contact);
     // A bond carries p = -(gap - initial_gap)/C_N: at this gap what the contact carries.
     let initial_gap =
-        contact.gap + law.normal_compliance * carried(world, bodies, history, contact);
+        contact.gap + law.normal_compliance * carried(world, history, contact, &of_contact);
     world.spawn(Bond { a, b, initial_gap, law });
 }
 

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_systems::stepping::ClasticHalted;
 
-use super::script::{EndedBy, Script};
+use super::script::Script;
 use crate::saved;
 use crate::scene::format::Save;
 use crate::scene::shown::label;
@@ -14,18 +14,15 @@ use crate::tables::Tables;
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 pub struct SavedStates(pub Vec<(String, Tables)>);
 
-/// Why the state cannot be kept: the last stage with increments collapsed, so that it is not the
-/// state that this stage was to reach.
+/// Why the state cannot be kept: a stage before collapsed, so that it is not the state that this
+/// stage was to reach.
 pub(super) fn refusal(world: &World) -> Option<String> {
-    let ends = &world.resource::<Script>().ends;
-    let last = ends.iter().rfind(|end| end.rows > 0)?;
-    (last.ended_by == Some(EndedBy::Collapse)).then(|| {
-        format!(
-            "the specimen collapsed in stage {}, so that its state is not the one to be kept; end \
-             this stage before the collapse (`final_state.npz` has the state)",
-            label(&last.stage)
-        )
-    })
+    let collapse = world.resource::<Script>().collapse.as_ref()?;
+    Some(format!(
+        "the specimen collapsed in stage {}, so that its state is not the one to be kept; end that stage \
+         before the collapse (`final_state.npz` has the state)",
+        label(&collapse.stage)
+    ))
 }
 
 /// Keeps the state. Exclusive, because it reads everything that plugins have registered.

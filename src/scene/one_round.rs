@@ -1,6 +1,6 @@
 //! Where bonds do not break from event to event although the scene says so.
 
-use super::format::{Analysis, Bond, RollingLimit, RuptureOrder, Scene, Stage};
+use super::format::{Analysis, Bond, Contact, RollingLimit, RuptureOrder, Scene, Stage};
 use super::shown::label;
 
 /// Why `rupture.order: Events` does not hold, in words; `None` if it holds in all stages that load
@@ -13,16 +13,22 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     if !cemented && scene.bonds.is_empty() {
         return None;
     }
-    let materials =
-        scene.materials.iter().map(|(name, m)| (format!("of material {}", label(name)), m.bond));
-    let walls =
-        scene.walls.iter().map(|wall| (format!("of wall {}", label(&wall.name)), wall.bond));
+    let materials = scene
+        .materials
+        .iter()
+        .map(|(name, m)| (format!("of material {}", label(name)), m.bond, is_elastic(&m.contact)));
+    let walls = scene.walls.iter().map(|wall| {
+        (format!("of wall {}", label(&wall.name)), wall.bond, is_elastic(&wall.contact))
+    });
+    let are_elastic = scene.materials.values().all(|material| is_elastic(&material.contact));
     let stages = scene.stages.iter().filter_map(|stage| match stage {
-        Stage::Cement(cement) => Some((format!("of stage {}", label(&cement.name)), cement.bond)),
+        Stage::Cement(cement) => {
+            Some((format!("of stage {}", label(&cement.name)), cement.bond, are_elastic))
+        }
         _ => None,
     });
-    let of_bond = |(of, bond): (String, Option<Bond>)| {
-        let reason = obstacle(&bond?, scene.rupture.rolling)?;
+    let of_bond = |(of, bond, is_on_springs): (String, Option<Bond>, bool)| {
+        let reason = obstacle(&bond?, is_on_springs, scene.rupture.rolling)?;
         Some(format!("bonds {of} {reason}"))
     };
     let bonds = materials.chain(walls).chain(stages).find_map(of_bond);
@@ -34,9 +40,15 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     })
 }
 
-/// Properties of the law of a bond that exclude `Events`.
-fn obstacle(bond: &Bond, rolling: RollingLimit) -> Option<&'static str> {
-    let is_rigid = bond.normal_stiffness.is_none() || bond.tangential_stiffness.is_none();
+fn is_elastic(contact: &Contact) -> bool {
+    contact.normal_stiffness.is_some() && contact.tangential_stiffness.is_some()
+}
+
+/// Properties of the law of a bond that exclude `Events`. `is_on_springs`: a stiffness that it does not
+/// name is that of its contacts.
+fn obstacle(bond: &Bond, is_on_springs: bool, rolling: RollingLimit) -> Option<&'static str> {
+    let is_named = bond.normal_stiffness.is_some() && bond.tangential_stiffness.is_some();
+    let is_rigid = !is_named && !is_on_springs;
     let has_strength = bond.cohesion > 0.0 && bond.tensile_strength > 0.0;
     if is_rigid {
         Some("are rigid (`normal_stiffness` or `tangential_stiffness` is missing)")
@@ -66,10 +78,16 @@ mod tests {
 
     use super::one_round;
 
+    /// Reason for bonds of this law on rigid contacts.
     fn reason(rupture: &str, bond: &str, analysis: &str) -> Option<String> {
+        reason_on("", rupture, bond, analysis)
+    }
+
+    fn reason_on(contact: &str, rupture: &str, bond: &str, analysis: &str) -> Option<String> {
         let text = format!(
             "(version: 1, title: \"t\", rupture: ({rupture}),
-              materials: {{ \"m\": (bond: ({bond} cohesion: 1.0, tensile_strength: 1.0)) }},
+              materials: {{ \"m\": (contact: ({contact}),
+                bond: ({bond} cohesion: 1.0, tensile_strength: 1.0)) }},
               specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (2.0, 0.0), radius: 1.0)]),
               bonds: [(a: 0, b: 1)],
               stages: [Load(name: \"s\", increments: 1, analysis: {analysis})])"
@@ -85,6 +103,7 @@ mod tests {
         assert_eq!(reason("order: OneRound", "", "Static"), None);
         let rigid = reason("", "normal_stiffness: 1.0,", "Static").unwrap();
         assert!(rigid.starts_with("bonds of material m are rigid"), "{rigid}");
+        assert_eq!(reason_on(ELASTIC, "", "", "Static"), None, "as stiff as their contacts");
         let rolling = format!("{ELASTIC} rolling_friction: 0.1,");
         let breaks = reason("", &rolling, "Static").unwrap();
         assert!(breaks.starts_with("bonds of material m break in rolling"), "{breaks}");

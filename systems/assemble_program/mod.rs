@@ -144,8 +144,9 @@ pub fn assemble_interactions(
         bodies,
         contacts,
         &settings.analysis,
-        &found.restraints,
+        (&found.restraints, trial.attempt.ties_all()),
         corrections,
+        &program.last_forces,
         interactions,
     );
     if found.search.active && trial.attempt.effort().is_some() {

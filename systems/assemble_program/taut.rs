@@ -18,22 +18,22 @@ use clastic_cone::program::{Interaction, Limits};
 /// Elongation over the length of a bond below which it counts as slack.
 const MIN_ELONGATION: f64 = 1e-9;
 
-/// Whether a bond is taut at the start of the increment.
+/// Whether a bond with a known last force was taut in it.
 #[must_use]
-pub fn is_taut(bond: &Interaction) -> bool {
-    tension(bond) > 0.0
+pub fn is_taut(bond: &Interaction, last: &[f64; 3]) -> bool {
+    tension(bond, -last[0]) > 0.0
 }
 
-/// Tension of an elastic bond at the start of the increment, N. The tension of a rigid bond is not
-/// known.
-fn tension(bond: &Interaction) -> f64 {
-    if bond.normal_compliance <= 0.0 {
-        return 0.0;
+/// Tension of an elastic bond that counts, N: its elongation does not tell it, because a bond that has
+/// turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
+/// of its grain stretches it. The tension of a rigid bond is not unique.
+fn tension(bond: &Interaction, tension: f64) -> f64 {
+    let elongation = tension * bond.normal_compliance;
+    if elongation > MIN_ELONGATION * (bond.arm_a + bond.arm_b) {
+        tension.min(bond.limits.tension)
+    } else {
+        0.0
     }
-    if !(bond.offset > MIN_ELONGATION * (bond.arm_a + bond.arm_b)) {
-        return 0.0;
-    }
-    (bond.offset / bond.normal_compliance).min(bond.limits.tension)
 }
 
 /// Appends the ties of taut bonds at swinging bodies.
@@ -41,14 +41,16 @@ pub fn assemble(
     bodies: &BodyTable,
     contacts: &[Contact],
     analysis: &ClasticAnalysis,
-    restraints: &Restraints,
+    (restraints, ties_all): (&Restraints, bool),
     corrections: &Corrections,
+    last_forces: &[[f64; 3]],
     interactions: &mut Vec<Interaction>,
 ) {
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    let swings = |i: usize| bodies.swinging[i] || restraints.swinging.get(i).is_some_and(|s| *s);
+    let is_found = |i: usize| restraints.swinging.get(i).is_some_and(|swings| *swings);
+    let swings = |i: usize| ties_all || bodies.swinging[i] || is_found(i);
     for k in 0..contacts.len() {
         let (contact, bond) = (&contacts[k], interactions[k]);
         let ends = [contact.a as usize, contact.b as usize];
@@ -57,11 +59,12 @@ pub fn assemble(
         if !pair || !ends.into_iter().any(swings) {
             continue;
         }
-        let tension = tension(&bond);
+        let guess = corrections.of((contact.a, contact.b));
+        let tension = tension(&bond, guess.map_or(-last_forces[k][0], |guess| guess.tension));
         if tension > 0.0 {
             interactions.push(Interaction {
                 normal: bond.normal.perp(),
-                offset: corrections.of((contact.a, contact.b)).map_or(0.0, |c| c.tie),
+                offset: guess.map_or(0.0, |guess| guess.tie),
                 normal_compliance: (bond.arm_a + bond.arm_b) / tension,
                 limits: Limits { tension, ..Limits::default() },
                 image: bond.image,

@@ -84,6 +84,7 @@ fn pull_back(
         found_new[i] = !std::mem::replace(&mut restraints.swinging[i], true) && !bodies.swinging[i];
     }
     let joins_particles = |c: &Interaction| (c.b as usize) < bodies.particles;
-    let mut taut = program.interactions.iter().filter(|c| joins_particles(c) && taut::is_taut(c));
-    taut.any(|c| found_new[c.a as usize] || found_new[c.b as usize])
+    let forces = program.interactions.iter().zip(&program.last_forces);
+    let mut taut = forces.filter(|(c, last)| joins_particles(c) && taut::is_taut(c, last));
+    taut.any(|(c, _)| found_new[c.a as usize] || found_new[c.b as usize])
 }

@@ -72,10 +72,14 @@ fn complain(attempt: &mut Attempt, verdict: &Verdict, next: Next) {
         (&attempt.mode, next)
     {
         let end = match verdict {
-            Verdict::AtRest { .. } => "; no body moves under these loads".to_owned(),
-            _ => format!("; the followed motion failed after {} steps", motion.steps),
+            Verdict::AtRest { .. } => "no body moves under these loads".to_owned(),
+            _ => format!("the followed motion failed after {} steps", motion.steps),
         };
-        attempt.complaint += &end;
+        // A fraction of the increment that fails like the one before adds nothing.
+        if !attempt.complaint.ends_with(&end) {
+            let gap = if attempt.complaint.is_empty() { "" } else { "; " };
+            attempt.complaint += &format!("{gap}{end}");
+        }
     }
 }
 

@@ -50,11 +50,12 @@ pub struct Ending {
 }
 
 impl Increment<'_> {
-    /// The geometry of every pair about the motion `u`, sorted by pair.
-    pub fn about(&self, u: &[[f64; 3]]) -> Vec<Correction> {
+    /// The geometry of every pair about the motion `u`, sorted by pair. `forces` are those of the solution
+    /// that led there.
+    pub fn about(&self, u: &[[f64; 3]], forces: &[[f64; 3]]) -> Vec<Correction> {
         let end = Moved::by(self.bodies, self.program, u, 1.0).positions;
-        let pairs = self.contacts.0.iter().zip(&self.program.interactions);
-        let correction = |(contact, c): (&Contact, &Interaction)| {
+        let pairs = self.contacts.0.iter().zip(&self.program.interactions).zip(forces);
+        let correction = |((contact, c), [p, ..]): ((&Contact, &Interaction), &[f64; 3])| {
             let (exact, moved) = self.exact(contact, c, u, &end)?;
             Some(Correction {
                 pair: (contact.a, contact.b),
@@ -63,6 +64,7 @@ impl Increment<'_> {
                 offset: exact.gaps[1] - exact.normal.dot(moved),
                 slip: exact.slip,
                 tie: -exact.normal.perp().dot(moved),
+                tension: -p,
                 lag: self.closing(contact, c, &exact).map_or(0.0, |closing| closing.lag),
             })
         };

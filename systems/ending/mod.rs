@@ -142,7 +142,7 @@ pub fn judge(
             if is_elastic { turn / tables.acceptance.turn } else { 0.0 }
         };
         let guess = motion.next(&mut state.guesses, (&idle, growth), solution, over);
-        state.list = increment.about(&guess);
+        state.list = increment.about(&guess, &solution.forces);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
     } else if is_lost {

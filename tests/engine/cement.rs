@@ -49,9 +49,8 @@ fn cement_leaves_the_force_of_a_contact_as_it_is() {
     let analyses = [Static, Dynamic { dt: 1e-5, theta: 0.5 }, Dynamic { dt: 1e-5, theta: 1.0 }];
     for analysis in analyses {
         for (grains, bonds, walls) in
-            [(soft, soft, true), (soft, stiff, true), ("", soft, true), (soft, "", false)]
+            [(soft, soft, true), (soft, stiff, true), ("", soft, true), (soft, "", true)]
         {
-            // Between walls that stay, forces of rigid bonds alone would not be unique.
             let cement = format!("Cement(name: \"cement\", length: 0.1e-3, walls: {walls}),");
             let mut scene = pressed(grains, bonds, &cement);
             scene.analysis = analysis;
@@ -88,14 +87,23 @@ fn cement_leaves_a_motion_as_it_is() {
     }
 }
 
-/// In a random packing, with other stiffnesses. The stress changes by the turn of the normals in the
-/// increment before, as it does without cement.
+/// In a random packing, with other stiffnesses, and with those of the contacts where the bond names none:
+/// bonds that were rigid lost the forces of elastic contacts under them. The stress changes by the turn
+/// of the normals in the increment before, as it does without cement.
 #[test]
 fn cement_leaves_the_stress_of_a_cell_as_it_is() {
-    let scene = parse(&format!(
+    for bonds in ["normal_stiffness: 6.0e7, tangential_stiffness: 2.0e7,", ""] {
+        for stress in read(&cemented_cell(bonds), "s", "hold") {
+            assert_within(stress, 100e3, 1e-3 * 100e3);
+        }
+    }
+}
+
+fn cemented_cell(bonds: &str) -> Scene {
+    parse(&format!(
         r#"(version: 1, title: "cement in a cell",
         materials: {{ "sand": (contact: (normal_stiffness: 3.0e7, tangential_stiffness: 1.0e7, friction: 0.4),
-            bond: (normal_stiffness: 6.0e7, tangential_stiffness: 2.0e7, {BOND})) }},
+            bond: ({bonds} {BOND})) }},
         specimen: Packing(count: 100, columns: 10, spacing: 10.1e-3,
             sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: 5),
         cell: (size: (0.101, 0.101)),
@@ -106,8 +114,33 @@ fn cement_leaves_the_stress_of_a_cell_as_it_is() {
             Load(name: "hold", increments: 2, cell: (xx: Fixed, yy: Fixed, shear: Fixed)),
         ],
         measures: [(name: "s", of: Stress(Average(component: Yy, area: Cell)))])"#
-    ));
-    for stress in read(&scene, "s", "hold") {
-        assert_within(stress, 100e3, 1e-3 * 100e3);
-    }
+    ))
+}
+
+/// Stiffness (N/m) of the bond between a disk of a and one of b, which a law of each material names or
+/// not: twice the stiffness of the one was the mean of a stiffness and none.
+#[test]
+fn a_stiffness_that_one_of_two_materials_names_is_not_that_of_both() {
+    let stiffness = |a: &str, b: &str| {
+        let law = |contact: &str, bond: &str| {
+            format!("(contact: (normal_stiffness: {contact}), bond: ({bond} {BOND}))")
+        };
+        let scene = parse(&format!(
+            r#"(version: 1, title: "two materials",
+            materials: {{ "a": {}, "b": {} }},
+            specimen: Particles([(position: (0.0, 0.0), radius: 0.005, material: "a"),
+                (position: (0.01, 0.0), radius: 0.005, material: "b")]),
+            stages: [Cement(name: "cement", length: 1.0e-6), Load(name: "load", increments: 1, particles: [
+                (select: Index([0]), x: Held, y: Held, rotation: Held),
+                (select: Index([1]), x: Displacement(-1.0e-7), y: Held, rotation: Held)])],
+            measures: [(name: "f", of: GroupForce(select: Index([0]), along: X))])"#,
+            law("5.0e7", a),
+            law("6.0e6", b),
+        ));
+        -read(&scene, "f", "load")[0] / 1e-7
+    };
+    let mean = |a: f64, b: f64| 2.0 * a * b / (a + b);
+    assert_relative(stiffness("normal_stiffness: 3.0e7,", ""), mean(3e7, 6e6), 1e-6);
+    assert_relative(stiffness("", "normal_stiffness: 8.0e6,"), mean(5e7, 8e6), 1e-6);
+    assert_relative(stiffness("", ""), mean(5e7, 6e6), 1e-6);
 }

@@ -39,7 +39,7 @@ fn of_column(increments: u32, lateral: f64, axial: f64) -> String {
 }
 
 /// Solves `a x = b`. The second value tells whether `a` is positive definite, if it is symmetric.
-fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> (Vec<f64>, bool) {
+pub fn solve(mut a: Vec<Vec<f64>>, mut b: Vec<f64>) -> (Vec<f64>, bool) {
     let n = b.len();
     let mut positive = true;
     for k in 0..n {

@@ -114,7 +114,7 @@ fn cement_takes_a_selection_and_a_law() {
     let strong = bonds(", bond: (cohesion: 3.0e6, tensile_strength: 2.0e6)");
     assert_eq!(strong.len(), 17);
     assert!(
-        strong.iter().all(|bond| bond.law.cohesion == 3e6 && bond.law.normal_compliance == 0.0)
+        strong.iter().all(|bond| bond.law.cohesion == 3e6 && bond.law.normal_compliance == 1e-8)
     );
 }
 

@@ -254,7 +254,10 @@ fn a_bond_with_little_cohesion_parts_at_the_apex_of_its_shear_limit() {
     // |q| <= 6 N + 0.6 p ends at p = -10 N, before the tensile strength of 24 N.
     for stiffness in [Some(8e6), None] {
         let mut scene = load("tension");
-        let bond = scene.materials.get_mut("cemented").unwrap().bond.as_mut().unwrap();
+        let material = scene.materials.get_mut("cemented").unwrap();
+        (material.contact.normal_stiffness, material.contact.tangential_stiffness) =
+            (stiffness, stiffness);
+        let bond = material.bond.as_mut().unwrap();
         bond.cohesion = 500.0;
         bond.rolling_friction = 0.0;
         (bond.normal_stiffness, bond.tangential_stiffness) = (stiffness, stiffness);

@@ -70,15 +70,20 @@ impl KeyResults {
     }
 
     /// Whether the lateral stress is constant, within [`STAYS`], from the start of the stage to a
-    /// point of the curve. A lateral stress that is not measured counts as constant.
+    /// point of the curve. A lateral stress that is not measured counts as constant. A specimen
+    /// without stress at the start has no lateral one.
     pub(super) fn lateral_stays_to(&self, to: &Point) -> bool {
         let place = self.curve.iter().position(|point| point == to);
-        self.lateral_stays(self.curve[..=place.unwrap_or(0)].iter())
+        let start = self.start.lateral_stress.unwrap_or(0.0);
+        self.lateral_stays(Some(start), self.curve[..=place.unwrap_or(0)].iter())
     }
 
     /// Whether the lateral stress is constant, within [`STAYS`], over some points of the curve.
-    fn lateral_stays<'a>(&self, curve: impl Iterator<Item = &'a Point>) -> bool {
-        let start = self.start.lateral_stress;
+    fn lateral_stays<'a>(
+        &self,
+        start: Option<f64>,
+        curve: impl Iterator<Item = &'a Point>,
+    ) -> bool {
         let (mut first, mut change, mut gain) = (start, 0.0_f64, 0.0_f64);
         for point in curve {
             let Some(lateral) = point.lateral_stress else { continue };
@@ -97,7 +102,8 @@ impl KeyResults {
         }
         let place = self.peak.ok_or(NOT_PASSED)?;
         let at = *self.curve.get(place).ok_or(NOT_PASSED)?;
-        if !self.lateral_stays(self.curve[..=place].iter()) {
+        let start = self.start.lateral_stress;
+        if !self.lateral_stays(start, self.curve[..=place].iter()) {
             return Err(LATERAL_CHANGES);
         }
         let rise = peak - self.start.stress;

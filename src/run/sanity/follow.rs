@@ -8,6 +8,7 @@ use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::residuals::multipliers;
 use clastic_systems::measures::strain::shear_of;
 
 use super::material::{Grains, inertial};
@@ -40,6 +41,9 @@ pub struct Sanity {
     across: Option<f64>,
     /// Maximum cohesion or tensile strength of the bonds that were there, Pa; 0 without bonds.
     strength: f64,
+    /// Sums over the static increments from the reference stage on, weighted by the normal forces, J: of
+    /// the gaps that sliding opens, and of the elastic closures.
+    opened: [f64; 2],
 }
 
 impl Sanity {
@@ -49,12 +53,14 @@ impl Sanity {
         let [time, axial, across, shear, pressure] = self.dynamic;
         let strain = axial.abs().max(across.abs()).hypot(shear);
         let number = || inertial(strain / time, self.mass, pressure / time, scene.thickness);
+        let [opened, closure] = self.opened;
         Report {
             stiffness_over_pressure: grains.level(self.pressure),
             maximum_overlap_over_radius: self.overlap,
             inertial_number: (time > 0.0).then(number).flatten(),
             increment_over_elastic_strain: grains.steps(self.increment, self.pressure),
             disks_across: self.across,
+            opening_over_closure: (closure > 0.0).then(|| opened / closure),
             warnings: Vec::new(),
         }
         .with_warnings(grains.strength > 0.0, grains.are_rock(self.pressure))
@@ -125,7 +131,27 @@ pub fn follow(
             sanity.mass = bodies.masses[..n].iter().sum::<f64>() / n.max(1) as f64;
         }
         sanity.see_strain(&o, &analysis, &bodies);
+        if analysis.kind == AnalysisKind::Static {
+            let seen = opened(&program, &solution);
+            sanity.opened.iter_mut().zip(seen).for_each(|(sum, seen)| *sum += seen);
+        }
     }
+}
+
+/// Gaps that the sliding of contacts opens, and elastic closures of contacts and bonds, both times the
+/// normal forces, J.
+fn opened(program: &ConeProgram, solution: &ConeSolution) -> [f64; 2] {
+    let contacts = program.interactions.iter().zip(&solution.forces);
+    let mut sums = [0.0; 2];
+    for (c, f) in contacts.filter(|(_, f)| f[0] > 0.0) {
+        let m = multipliers(solution.law, c, &program.kinematics(c, &solution.displacements), f);
+        let gap = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
+        if !c.limits.has_strength() {
+            sums[0] += f[0] * solution.law.dilation(c) * gap;
+        }
+        sums[1] += f[0] * f[0] * c.normal_compliance;
+    }
+    sums
 }
 
 /// Maximum overlap over the smaller radius; `None` without an elastic contact under pressure.

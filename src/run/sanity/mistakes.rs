@@ -60,7 +60,6 @@ pub(super) fn mistakes(
         ));
     }
     list.extend(long_bonds(scene, 0.5 * mean));
-    list.extend(rigid_cement(scene));
     list.extend(overlap(scene, seeds));
     list.extend(loose_sides(scene));
     list
@@ -115,26 +114,6 @@ fn long_bonds(scene: &Scene, mean: f64) -> Vec<String> {
         ))
     };
     scene.stages.iter().filter_map(long).collect()
-}
-
-/// Warning of a cement that cannot keep the forces of the contacts under it: those of a rigid bond follow
-/// from equilibrium alone.
-fn rigid_cement(scene: &Scene) -> Option<String> {
-    let is_loaded = |k: usize| scene.stages[..k].iter().any(|stage| stage.load().is_some());
-    let at = (0..scene.stages.len())
-        .find(|k| matches!(scene.stages[*k], Stage::Cement(_)) && is_loaded(*k))?;
-    let Stage::Cement(stage) = &scene.stages[at] else { return None };
-    let (name, _) = scene.materials.iter().find(|(_, of)| {
-        let bond = stage.bond.as_ref().or(of.bond.as_ref());
-        bond.is_some_and(|bond| bond.normal_stiffness.is_none())
-            && of.contact.normal_stiffness.is_some()
-    })?;
-    Some(format!(
-        "stage {} cements under load with rigid bonds, while contacts of material {} are elastic: the forces \
-         of its contacts are not kept; give the bond a `normal_stiffness`",
-        label(&stage.name),
-        label(name)
-    ))
 }
 
 /// Warning of disks that overlap at the start by more than linear contacts assume, with each other

@@ -37,6 +37,10 @@ const QUASI_STATIC: f64 = 1e-3;
 /// Increments that strain more than this many elastic strains do not resolve the elastic response,
 /// whose range of strain is p h / k (Roux and Combe 2002, C. R. Physique 3, 131-140).
 const STEP: f64 = 1.0;
+/// Gap opened by sliding over elastic closure above which the associated law counts. In cells of 196 disks
+/// with k/(p h) of 400 to 4e4 and three sizes of the increment each, stress ratios are 5 to 17 % above
+/// those of Coulomb's law at 0.12 to 0.4, and as often below them at 0.1 and less.
+const OPENED: f64 = 0.1;
 /// Largest grains across a bonded specimen: minimum ten (ISRM 1979, Int. J. Rock Mech. Min. Sci.
 /// 16, 135-140).
 const ROCK: f64 = 10.0;
@@ -93,6 +97,9 @@ pub struct Report {
     pub increment_over_elastic_strain: Option<f64>,
     /// Diameters of the largest disk across the smaller side of the specimen, where it is one.
     pub disks_across: Option<f64>,
+    /// Gap that sliding contacts open in a static increment over the elastic closure p/k of all contacts,
+    /// both means weighted by the normal forces: the associated law dilates.
+    pub opening_over_closure: Option<f64>,
     /// Warnings, each with its source.
     pub warnings: Vec<String>,
 }
@@ -130,6 +137,15 @@ impl Report {
                  elastic strain, Roux and Combe 2002)"
             ));
         }
+        if let Some(ratio) = self.opening_over_closure.filter(|ratio| *ratio > OPENED) {
+            warnings.push(format!(
+                "the gaps that sliding contacts open in an increment are {} of their elastic closure: the \
+                 associated law overestimates friction and dilation; give increments that are {:.0} times \
+                 smaller, or `friction_law: Coulomb()`",
+                short(ratio),
+                (ratio / (0.5 * OPENED)).ceil()
+            ));
+        }
         let (enough, source) = if is_bonded {
             (ROCK, "ISRM 1979 asks for ten of the largest grains")
         } else {
@@ -153,6 +169,7 @@ impl Report {
             ("maximum overlap/radius", self.maximum_overlap_over_radius),
             ("inertial number", self.inertial_number),
             ("increment/elastic strain", self.increment_over_elastic_strain),
+            ("opening/closure", self.opening_over_closure.filter(|ratio| *ratio > 0.0)),
             ("disks across", self.disks_across),
         ];
         let text: Vec<_> = parts

@@ -174,8 +174,13 @@ fn comes_near(wall: &Wall, motion: DVec2) -> bool {
 pub(super) fn out_of_reach(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
     let takes_no_increment =
         |stage: &&Stage| matches!(stage, Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_));
-    let first = scene.stages.iter().find(|stage| !takes_no_increment(stage))?;
-    let Stage::Load(load) = first else { return None };
+    let first = scene.stages.iter().position(|stage| !takes_no_increment(&stage))?;
+    let Stage::Load(load) = &scene.stages[first] else { return None };
+    // A wall that is glued to grains need not come nearer.
+    let glues = |stage: &Stage| matches!(stage, Stage::Cement(cement) if cement.walls);
+    if scene.stages[..first].iter().any(glues) {
+        return None;
+    }
     let is_static = load.analysis.unwrap_or(scene.analysis) == Analysis::Static;
     let is_at_rest = load.gravity.unwrap_or(scene.gravity) == (0.0, 0.0)
         && load.particles.is_empty()

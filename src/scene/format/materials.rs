@@ -46,13 +46,13 @@ pub struct Contact {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bond {
-    /// Normal stiffness k_N, N/m; rigid if left out.
+    /// Normal stiffness k_N, N/m; that of the contact if left out.
     #[serde(default)]
     pub normal_stiffness: Option<f64>,
-    /// Tangential stiffness k_T, N/m; rigid if left out.
+    /// Tangential stiffness k_T, N/m; that of the contact if left out.
     #[serde(default)]
     pub tangential_stiffness: Option<f64>,
-    /// Rolling stiffness k_R, N m/rad; rigid if left out.
+    /// Rolling stiffness k_R, N m/rad; that of the contact if left out.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling_stiffness: Option<f64>,
     /// Internal friction coefficient.

@@ -155,13 +155,24 @@ impl Units {
     ) {
         let Units { force, length, .. } = *self;
         let displacement = self.displacement_of(c);
-        let m = multipliers(law, c, e, f);
+        let mut m = multipliers(law, c, e, f);
         let l = &c.limits;
         let [p, q, tau] = *f;
-        worsen(&mut out.kinematics, -m.tension / displacement);
-
         let shear = l.cohesion + l.friction * p;
         let roll = l.moment + l.rolling * p;
+        // A limit further away than the maximum force is not active: its multiplier is zero, and
+        // the remainder of the stationarity row is an error of the kinematics. Multiplied by a
+        // strength or a friction of 1e6 times the forces, round-off of that row would look like an
+        // error.
+        let is_far = |slack: f64, length: f64| slack.abs() > force * length;
+        let slacks = [shear - q * m.slip.signum(), roll - tau * m.rotation.signum()];
+        if is_far(slacks[0], 1.0) {
+            m.tension += law.dilation(c) * l.friction * m.slip.abs();
+        }
+        if is_far(slacks[1], length) {
+            m.tension += law.dilation(c) * l.rolling * m.rotation.abs();
+        }
+        worsen(&mut out.kinematics, -m.tension / displacement);
         worsen(&mut out.cone, (q.abs() - shear.max(0.0)) / force);
         worsen(&mut out.cone, (tau.abs() - roll.max(0.0)) / (force * length));
         worsen(&mut out.cone, -(p + l.tension) / force);
@@ -169,11 +180,8 @@ impl Units {
             worsen(&mut out.cone, -shear / force);
         }
 
-        // A limit further away than the maximum force is not active: its multiplier is zero, and
-        // the remainder of the stationarity row is an error of the kinematics. Multiplied by a
-        // strength of 1e6 times the forces, round-off of that row would look like an error.
         let mut product = |multiplier: f64, slack: f64, length: f64| {
-            if slack.abs() > force * length {
+            if is_far(slack, length) {
                 worsen(&mut out.kinematics, (multiplier * length).abs() / displacement);
             } else {
                 worsen(
@@ -183,8 +191,8 @@ impl Units {
             }
         };
         product(m.tension.max(0.0), p - l.min_normal_force(), 1.0);
-        product(m.slip, shear - q * m.slip.signum(), 1.0);
-        product(m.rotation, roll - tau * m.rotation.signum(), length);
+        product(m.slip, slacks[0], 1.0);
+        product(m.rotation, slacks[1], length);
     }
 }
 
