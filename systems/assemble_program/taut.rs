@@ -11,7 +11,7 @@
 //! a grain, and cannot be part of a convex program. Followed motions cover this case.
 
 use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::findings::{Corrections, Restraints};
+use clastic_components::findings::{Correction, Corrections, Restraints};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Interaction, Limits};
 
@@ -34,6 +34,17 @@ fn tension(bond: &Interaction, tension: f64) -> f64 {
     } else {
         0.0
     }
+}
+
+/// Ties all grains, because passes about the end of the increment that fail may lack the geometric stiffness
+/// of taut bonds alone. Returns whether that changes the program.
+pub fn tie_all(bodies: &BodyTable, corrections: &Corrections, restraints: &mut Restraints) -> bool {
+    restraints.swinging.resize(bodies.particles, false);
+    let mut grains = restraints.swinging.iter().zip(&bodies.swinging);
+    let is_new = grains.any(|(now, before)| !now && !before);
+    restraints.swinging.fill(true);
+    let is_taut = |of: &Correction| of.tension > 0.0 && (of.pair.1 as usize) < bodies.particles;
+    is_new && corrections.list.iter().any(is_taut)
 }
 
 /// Appends the ties of taut bonds at swinging bodies.

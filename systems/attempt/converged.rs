@@ -4,14 +4,13 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{
-    BestUnconverged, Centre, Correction, Corrections, Restraints, Unconverged,
-};
+use clastic_components::findings::{BestUnconverged, Centre, Corrections, Restraints, Unconverged};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
+use crate::assemble_program::taut;
 use crate::ending;
 use crate::places::{moves_most, near, worst_place};
 use crate::turns::too_far;
@@ -73,7 +72,7 @@ pub fn judge(
         SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
-    if fails && corrections.passes > 0 && pull_all_back(&bodies, &corrections, &mut restraints) {
+    if fails && corrections.passes > 0 && taut::tie_all(&bodies, &corrections, &mut restraints) {
         attempt.verdict = Verdict::Again;
     } else if fails && corrections.passes > 0 {
         // A guess of the end proves nothing.
@@ -94,21 +93,6 @@ pub fn judge(
     if attempt.verdict == Verdict::Locked {
         attempt.complaint = locked(&bodies, &program, solution);
     }
-}
-
-/// Ties all grains, because a pass without solution may lack the geometric stiffness of taut bonds alone.
-/// Returns whether that changes the program.
-fn pull_all_back(
-    bodies: &BodyTable,
-    corrections: &Corrections,
-    restraints: &mut Restraints,
-) -> bool {
-    restraints.swinging.resize(bodies.particles, false);
-    let is_taut = |of: &Correction| of.tension > 0.0 && (of.pair.1 as usize) < bodies.particles;
-    let is_new =
-        restraints.swinging.iter().zip(&bodies.swinging).any(|(now, before)| !now && !before);
-    restraints.swinging.fill(true);
-    is_new && corrections.list.iter().any(is_taut)
 }
 
 /// Tests whether a far motion in a regularised solution is the mechanism of a collapse: unbalanced
