@@ -52,8 +52,9 @@ pub struct InteriorSettings {
     /// point that is more exact than the tolerance. A point between the two goals may end the method
     /// if it is good enough and the method is slow.
     ///
-    /// 10: a goal of 1e-11 for the default tolerance. Ending wherever the method was slow cost half of the time of a collapse. Ending only at
-    /// the goal wastes iterations near round-off (decision 006).
+    /// 10: a goal of 1e-11 for the default tolerance. Ending wherever the method was slow cost half of
+    /// the time of a collapse. Ending only at the goal wastes iterations near round-off (decision
+    /// 006).
     pub near: f64,
     /// Residual over that of the last iteration above which the method is slow.
     ///
