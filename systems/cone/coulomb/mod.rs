@@ -150,7 +150,7 @@ impl Coulomb {
             if let Some(z) = end.filter(|_| trial.is_solved() && !goal.at_once) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
                 let z = system.near(u, &s, settings.share * goal.tolerance);
-                let left = max - system.factorisations.min(max);
+                let left = (max - system.factorisations.min(max)).min(settings.max_sharpening);
                 interior::iterate(&mut system, z, &settings.interior, left, &mut trial);
             }
         }

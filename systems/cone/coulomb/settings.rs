@@ -31,6 +31,10 @@ pub struct CoulombSettings {
     ///
     /// 250: decision 001.
     pub max_arc: u32,
+    /// Maximum number of factorisations that sharpen the end of an arc.
+    ///
+    /// 8: decision 001.
+    pub max_sharpening: u32,
     /// Natural map at which a solution is sharp, over the tolerance. A sharp solution ends the
     /// iteration.
     ///
@@ -59,6 +63,7 @@ impl Default for CoulombSettings {
             max_iterations: 40,
             arc_products: [1e-1, 1e-3],
             max_arc: 250,
+            max_sharpening: 8,
             sharp: 1e-3,
             progress: 0.5,
             refined: 1e-10,
