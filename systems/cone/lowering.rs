@@ -8,11 +8,6 @@ use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
 use super::polish::{Point, PolishSettings, QuadraticProgram};
 use super::residuals::regularised_residuals;
 
-/// Residual at which polishing ends in a program of this size.
-fn polished(low: &Lowered, settings: &PolishSettings) -> f64 {
-    if low.linear.len() > settings.large { settings.large_residual } else { settings.residual }
-}
-
 /// Triplets of a sparse matrix.
 #[derive(Default)]
 pub(super) struct Triplets {
@@ -215,12 +210,6 @@ pub(super) fn polish(
     };
     let worst = |s: &ConeSolution| regularised_residuals(program, s).worst();
     let mut best = worst(solution);
-    let goal = polished(low, settings);
-    // A small program is polished even if its residual is small: where a gap just closes, slack and
-    // force are accurate to the square root of their product only.
-    if best <= goal && low.linear.len() > settings.large {
-        return;
-    }
     let mut active = qp.active(&start);
     for pass in 0..settings.max_passes {
         let Some(point) = qp.solve_active(&active, &start, settings) else { return };
@@ -228,9 +217,8 @@ pub(super) fn polish(
         let displacements = displacements(program, &low.rows, &point.z);
         let polished = ConeSolution { forces, displacements, ..Default::default() };
         let now = worst(&polished);
-        // For the reason above, the polished one of two solutions with small residuals is the more
-        // accurate. The negation also replaces a solution whose residual is NaN.
-        if now <= goal.max(settings.small_residual) || !(best <= now) {
+        // The negation also replaces a solution whose residual is NaN.
+        if now <= settings.residual || !(best <= now) {
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;
@@ -240,7 +228,7 @@ pub(super) fn polish(
                 pass + 1
             );
         }
-        if best <= goal {
+        if best <= settings.residual {
             return;
         }
         match qp.corrected(&active, &point) {

@@ -29,34 +29,17 @@ pub struct PolishSettings {
     ///
     /// 8: a cap. Inert in decision 001, where the guess settles earlier.
     pub max_passes: usize,
-    /// Residual at which polishing ends.
+    /// Residual at which polishing ends. A polished solution within it replaces any solution without
+    /// polish, even one with a smaller residual: slack and multiplier of a limit that is just reached
+    /// are accurate to the square root of the residual only.
     ///
     /// 1e-11: decision 001.
     pub residual: f64,
-    /// Residual at which polishing ends in a large program, where a pass costs as much as the
-    /// solution.
-    ///
-    /// 1e-9: for 5000 variables and more. Inert in decision 001.
-    pub large_residual: f64,
-    /// Number of variables above which a program is large.
-    ///
-    /// 5000: decision 001.
-    pub large: usize,
-    /// A polished solution with a residual below this replaces any solution without polish, even
-    /// one with a smaller residual: slack and multiplier of a limit that is just reached are
-    /// accurate to the square root of the residual only.
-    ///
-    /// 1e-10: a hundredth of the default tolerance of increments. Inert in decision 001.
-    pub small_residual: f64,
     /// Regularisation on the diagonal of the factorised matrix, in scaled units.
     ///
     /// 1e-8: about the root of the round-off, so that the factor exists and the refinement
     /// converges. Decision 001.
     pub regularisation: f64,
-    /// Maximum number of refinements of a linear solve.
-    ///
-    /// 25: decision 001.
-    pub max_refinements: usize,
     /// Ratio of the defects of two refinements above which the refinement ends.
     ///
     /// 0.9: decision 001.
@@ -65,16 +48,7 @@ pub struct PolishSettings {
 
 impl Default for PolishSettings {
     fn default() -> Self {
-        Self {
-            max_passes: 8,
-            residual: 1e-11,
-            large_residual: 1e-9,
-            large: 5000,
-            small_residual: 1e-10,
-            regularisation: 1e-8,
-            max_refinements: 25,
-            progress: 0.9,
-        }
+        Self { max_passes: 8, residual: 1e-11, regularisation: 1e-8, progress: 0.9 }
     }
 }
 
@@ -143,10 +117,7 @@ impl QuadraticProgram<'_> {
         let mut y = start.x.clone();
         y.extend(rows.iter().map(|i| start.z[*i]));
         let (mut defect, mut error) = self.defect(&y, &row_of, &rows);
-        for _ in 0..settings.max_refinements {
-            if error <= ROUND_OFF {
-                break;
-            }
+        while error > ROUND_OFF {
             let mut step = defect;
             factor.solve(&mut step);
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, d)| y + d).collect();

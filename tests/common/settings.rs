@@ -49,43 +49,30 @@ macro_rules! fields {
 }
 
 /// Scales the remainder of a part, because twice the part itself may exceed the whole.
-fn scale_rest(parts: &mut [f64], factor: f64) {
-    for part in parts {
-        *part = 1.0 - factor * (1.0 - *part);
-    }
+fn scale_rest(part: &mut f64, factor: f64) {
+    *part = 1.0 - factor * (1.0 - *part);
 }
 
 /// All fields of the condensed solver.
 pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
     let mut fields = fields![CondensedSettings:
-        tolerance, safety, loose_tolerance, newton_margin, loose_newton_margin, interior_margin,
-        large, max_start,
+        tolerance, safety, margin, loose_margin, large, max_start, warm_product,
         newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.patience,
-        newton.max_late_unbalance, newton.damping, newton.min_damping, newton.min_force,
+        newton.max_late_unbalance, newton.damping, newton.min_damping,
         newton.line_search.max_slope, newton.line_search.max_evaluations,
-        newton.line_search.max_length, newton.line_search.min_bracket,
         local.short_step, local.min_unbalance, local.share, local.rings, local.max_bodies,
-        local.max_interactions, local.max_gap, local.min_parallel_bodies, local.residual,
-        local.goal, local.fast, local.min_gain,
+        local.max_interactions, local.max_gap, local.residual, local.goal, local.fast,
         local.newton.max_iterations, local.newton.tiny_step, local.newton.max_tiny_steps,
         local.newton.patience, local.newton.max_late_unbalance, local.newton.damping,
-        local.newton.min_damping, local.newton.min_force, local.newton.line_search.max_slope,
-        local.newton.line_search.max_evaluations, local.newton.line_search.max_length,
-        local.newton.line_search.min_bracket,
+        local.newton.min_damping, local.newton.line_search.max_slope,
+        local.newton.line_search.max_evaluations,
         interior.max_iterations, interior.max_start_force, interior.start,
         interior.max_start_compliance, interior.proximal, interior.min_proximal,
-        interior.refined, interior.product_weight, interior.min_force,
-        interior.near, interior.slow, interior.patience, interior.progress,
-        interior.max_decisions, interior.decided,
-        warm.max_gap, warm.product, warm.max_returns,
-        sleep.max_residual,
+        interior.min_compliance, interior.product_weight, interior.near, interior.slow,
+        interior.patience, interior.progress, interior.max_decisions, interior.decided,
     ];
-    fields.push(("interior.min_compliance", |s, factor| {
-        s.interior.min_compliance.iter_mut().for_each(|value| *value *= factor);
-    }));
-    fields.push(("interior.step", |s, factor| scale_rest(&mut s.interior.step, factor)));
     fields.push(("local.fast_quantile", |s, factor| {
-        scale_rest(std::slice::from_mut(&mut s.local.fast_quantile), factor);
+        scale_rest(&mut s.local.fast_quantile, factor);
     }));
     fields
 }
@@ -93,19 +80,16 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
 /// All fields of the solver of Coulomb's law.
 pub fn of_coulomb() -> Vec<Field<CoulombSettings>> {
     let mut fields = fields![CoulombSettings:
-        product, swept_share, max_iterations, arc_products, max_arc, end_product, max_sharpening,
-        max_start_map, sharp, progress, min_force, max_refinements, refined,
+        product, share, max_iterations, arc_products, max_arc, max_sharpening, sharp, progress,
+        refined,
         interior.regularisation, interior.short_step, interior.max_short_steps,
-        interior.patience, interior.progress, interior.centring_step,
+        interior.patience, interior.centring_step,
         arc.regularisation, arc.close, arc.growth, arc.shortening, arc.recovery,
-        arc.max_corrections, arc.divergence, arc.max_tau, arc.min_length,
+        arc.max_corrections, arc.divergence,
     ];
-    fields.push(("interior.step", |s, factor| scale_rest(&mut s.interior.step, factor)));
     fields.push(("interior.min_centring", |s, factor| {
-        scale_rest(std::slice::from_mut(&mut s.interior.min_centring), factor);
+        scale_rest(&mut s.interior.min_centring, factor);
     }));
-    fields.push(("arc.reach", |s, factor| {
-        scale_rest(std::slice::from_mut(&mut s.arc.reach), factor);
-    }));
+    fields.push(("arc.reach", |s, factor| scale_rest(&mut s.arc.reach, factor)));
     fields
 }

@@ -2,7 +2,6 @@
 //! neighbour changes.
 
 use clastic::components::contact_history::ContactHistory;
-use clastic::cone::condensed::settings::SleepSettings;
 use clastic::cone::condensed::{Condensed, sleeping};
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic::cone::residuals::{displacement_scale, force_scale};
@@ -48,7 +47,7 @@ const UPON: [f64; 2] = [0.008, 0.0];
 fn asleep(simulation: &Simulation, moved: &mut Vec<[f64; 3]>) -> Vec<usize> {
     let program = simulation.world().resource::<ConeProgram>();
     moved.resize(program.bodies.len(), [0.0; 3]);
-    let found = sleeping::find(program, moved, &SleepSettings::default()).unwrap_or_default();
+    let found = sleeping::find(program, moved).unwrap_or_default();
     moved.clone_from(&simulation.world().resource::<ConeSolution>().displacements);
     (0..found.len()).filter(|i| found[*i]).collect()
 }

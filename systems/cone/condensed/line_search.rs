@@ -59,9 +59,6 @@ pub fn line_search<S: Elastic<F>, const F: usize>(
         } else {
             4.0 * a
         };
-        if a > settings.max_length || high - low < settings.min_bracket * high {
-            break;
-        }
     }
     a
 }

@@ -22,6 +22,7 @@ mod newton;
 mod parallel;
 mod posed;
 mod reduced;
+pub(crate) mod refinement;
 pub mod response;
 mod rolling_spring;
 #[cfg(test)]
@@ -44,6 +45,10 @@ use super::solver::{ConeSolver, MalformedProgram};
 
 /// Minimum residual that the Newton iteration and the interior point can reach.
 const ROUND_OFF: f64 = 1e-14;
+
+/// Minimum force that residuals of the methods are relative to. Where no contact carries a force the
+/// loads count, and these are of the order of 1.
+const MIN_FORCE: f64 = 1e-3;
 
 /// The condensed solver. It keeps the matrix of the last pairs and the last solution.
 pub struct Condensed {
@@ -81,7 +86,7 @@ impl ConeSolver for Condensed {
         if self.last.len() != program.bodies.len() {
             self.last = vec![[0.0; 3]; program.bodies.len()];
         }
-        let asleep = sleeping::find(program, &self.last, &self.settings.sleep);
+        let asleep = sleeping::find(program, &self.last);
         let awake = asleep.map(|asleep| self.solve_awake(program, tolerance, asleep));
         let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
         let solution = match awake {

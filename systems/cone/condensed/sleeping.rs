@@ -16,17 +16,16 @@
 use crate::program::{ConeProgram, Dof, ProgramBody, Residuals, SlidingLaw};
 
 use super::super::residuals::Units;
-use super::settings::SleepSettings;
+use super::settings::DEFAULT_RESIDUAL;
 use crate::adjacency::Adjacency;
+
+/// Maximum residual of sleeping bodies: so small that it does not count beside that of the others.
+const MAX_RESIDUAL: f64 = 0.01 * DEFAULT_RESIDUAL;
 
 /// Which bodies sleep; `None` if none does. `moved` are the displacements of the last solution, the
 /// unit of displacements.
 #[must_use]
-pub fn find(
-    program: &ConeProgram,
-    moved: &[[f64; 3]],
-    settings: &SleepSettings,
-) -> Option<Vec<bool>> {
+pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     let forces = &program.last_forces;
     if forces.is_empty() || !program.is_dynamic() || program.cell.is_some() {
         return None;
@@ -42,7 +41,7 @@ pub fn find(
         let mut left = Residuals::default();
         let e = program.kinematics(c, &still);
         units.of_interaction(SlidingLaw::Associated, c, &e, f, &mut left);
-        if left.worst() <= settings.max_residual && e[1] == 0.0 && e[2] == 0.0 {
+        if left.worst() <= MAX_RESIDUAL && e[1] == 0.0 && e[2] == 0.0 {
             continue;
         }
         let [a, b] = [c.a as usize, c.b as usize];
@@ -58,11 +57,11 @@ pub fn find(
             Dof::Free(f) if f.inertia > 0.0 => {
                 let length = if k < 2 { 1.0 } else { units.length };
                 let motion = (f.load - rows[i][k]) / f.inertia * length;
-                motion.abs() <= settings.max_residual * units.displacement
+                motion.abs() <= MAX_RESIDUAL * units.displacement
             }
             _ => true,
         });
-        if !(left.worst() <= settings.max_residual && slow) {
+        if !(left.worst() <= MAX_RESIDUAL && slow) {
             rests[i] = false;
         }
     }

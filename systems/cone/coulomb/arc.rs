@@ -62,9 +62,6 @@ pub fn follow(
         if !off.is_finite() || lost {
             let Some(last) = &mut saved else { return None };
             last.length *= settings.shortening;
-            if last.length < settings.min_length * last.tau {
-                return None;
-            }
             z = last.z.clone();
             z.add(last.length, &last.tangent);
             tau = last.tau + last.length * last.direction;
@@ -101,7 +98,7 @@ pub fn follow(
         if trial.consider(system, &z) {
             return Some(z);
         }
-        if !(MIN_TAU..=settings.max_tau).contains(&tau) {
+        if !(tau >= MIN_TAU) {
             return None;
         }
     }

@@ -5,6 +5,7 @@ use super::Trial;
 use super::cell::LIMITS;
 use super::settings::CoulombInteriorSettings;
 use super::system::{System, Vector};
+use crate::condensed::interior::part_of_way;
 
 /// Iterates from a point until the trial is solved, for at most `max` factorisations.
 pub fn iterate(
@@ -28,7 +29,7 @@ pub fn iterate(
         residuals.push(if iteration == 0 { f64::INFINITY } else { trial.worst() });
         let earlier = (iteration as usize).checked_sub(settings.patience);
         let stalls = earlier.is_some_and(|earlier| {
-            residuals[iteration as usize] > settings.progress * residuals[earlier]
+            residuals[iteration as usize] > trial.settings.progress * residuals[earlier]
         });
         let r = system.residual(&z);
         let mu = sum_of_products(system, &z, None, 0.0) / system.limits;
@@ -56,8 +57,7 @@ pub fn iterate(
             return;
         }
         last = room.min(1.0);
-        let [lower, upper] = settings.step;
-        z.add((room * (1.0 - mu).clamp(lower, upper)).min(1.0), &step);
+        z.add((room * part_of_way(mu)).min(1.0), &step);
     }
 }
 

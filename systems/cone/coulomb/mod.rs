@@ -26,11 +26,11 @@ use self::system::System;
 use super::condensed::images;
 use super::condensed::matrix::UnsymmetricMatrix;
 use super::condensed::scaled::Scaled;
-use super::condensed::settings::SleepSettings;
+use super::condensed::settings::DEFAULT_RESIDUAL;
 use super::condensed::sleeping;
 use super::condensed::sweeps::sweep;
 use super::condensed::warm::last_forces;
-use super::residuals::{applied_force, choose_displacements, natural_map};
+use super::residuals::{MIN_FORCE, applied_force, choose_displacements, natural_map};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -85,7 +85,7 @@ impl Coulomb {
             && program.is_damped()
             && program.cell.is_none()
             && !program.has_bonds()
-            && sleeping::find(program, moved, &SleepSettings::default()).is_none();
+            && sleeping::find(program, moved).is_none();
         if !applies {
             return None;
         }
@@ -119,15 +119,14 @@ impl Coulomb {
         let is_associated = program.interactions.iter().all(|c| c.limits.has_strength());
         // The associated solution is exact, and nothing slides where it solves Coulomb's law.
         let is_swept = start.law == SlidingLaw::Coulomb;
-        let is_found =
-            if is_swept { trial.is_sharp() } else { trial.is_within(settings.max_start_map) };
+        let is_found = if is_swept { trial.is_sharp() } else { trial.is_within(DEFAULT_RESIDUAL) };
         if is_associated || is_found || !self.prepare(program) {
             return trial.into_solution(0);
         }
         let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
         // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
-        scaled.scales.force = unit_of_force(program, start, settings.min_force);
+        scaled.scales.force = unit_of_force(program, start);
         trial.units = scaled.scales.units();
         trial.order = matrix.order().to_vec();
         let (du, df) = trial.units;
@@ -136,8 +135,7 @@ impl Coulomb {
         let u: Vec<_> = trial.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
         let force_units = [df[0], df[0], df[2]];
         let s: Vec<_> = start.forces.iter().map(|f| of(f, &force_units)).collect();
-        let product =
-            if is_swept { settings.swept_share * trial.worst() } else { settings.product };
+        let product = if is_swept { settings.share * trial.worst() } else { settings.product };
         let z = system.near(&u, &s, product);
         let first = max.min(settings.max_iterations);
         interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
@@ -151,7 +149,7 @@ impl Coulomb {
                 arc::follow(&mut system, z, &settings.arc, left.min(settings.max_arc), &mut trial);
             if let Some(z) = end.filter(|_| trial.is_solved() && !goal.at_once) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
-                let z = system.near(u, &s, settings.end_product * goal.tolerance);
+                let z = system.near(u, &s, settings.share * goal.tolerance);
                 let left = (max - system.factorisations.min(max)).min(settings.max_sharpening);
                 interior::iterate(&mut system, z, &settings.interior, left, &mut trial);
             }
@@ -172,10 +170,10 @@ impl Coulomb {
     }
 }
 
-/// Maximum force, contact or applied, N; at least `min` times the force scale.
-fn unit_of_force(program: &ConeProgram, start: &ConeSolution, min: f64) -> f64 {
+/// Maximum force, contact or applied, N; at least the minimum that residuals are relative to.
+fn unit_of_force(program: &ConeProgram, start: &ConeSolution) -> f64 {
     let contact = start.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    contact.max(applied_force(program)).max(min * program.scales.force)
+    contact.max(applied_force(program)).max(MIN_FORCE * program.scales.force)
 }
 
 /// Evaluates points on the program in SI units and keeps the best one.

@@ -13,11 +13,11 @@ pub struct CoulombSettings {
     ///
     /// 1e-3: decision 001.
     pub product: f64,
-    /// Products at the start of the interior-point iteration after sweeps, as a share of the
-    /// residual that these leave.
+    /// Products at the start of the interior-point iteration after sweeps and at the end of an arc, as
+    /// a share of the residual that these leave.
     ///
     /// 0.1: decision 004.
-    pub swept_share: f64,
+    pub share: f64,
     /// Maximum number of factorisations of the interior-point iteration.
     ///
     /// 40: decision 001.
@@ -31,37 +31,20 @@ pub struct CoulombSettings {
     ///
     /// 250: decision 001.
     pub max_arc: u32,
-    /// Products at the start of the iteration that sharpens the end of an arc, over the tolerance.
-    ///
-    /// 0.1: decision 001.
-    pub end_product: f64,
-    /// Maximum number of factorisations of that iteration.
+    /// Maximum number of factorisations that sharpen the end of an arc.
     ///
     /// 8: decision 001.
     pub max_sharpening: u32,
-    /// Maximum natural map of a solution with dilation that is taken for one without.
-    ///
-    /// 1e-8: the default tolerance of increments. Nothing slides then.
-    pub max_start_map: f64,
     /// Natural map at which a solution is sharp, over the tolerance. A sharp solution ends the
     /// iteration.
     ///
     /// 1e-3: the products are then a thousandth of what the tolerance allows. Decision 001.
     pub sharp: f64,
-    /// Maximum ratio of the residuals of two iterations for another one to follow, once the program
-    /// is solved.
+    /// Factor by which an iteration must lower the residual for another one to follow once the
+    /// program is solved, and [`patience`](CoulombInteriorSettings::patience) iterations before.
     ///
     /// 0.5: decision 001.
     pub progress: f64,
-    /// Minimum unit of force over the force scale of the program.
-    ///
-    /// 1e-2: the floor of the unit that residuals are relative to (docs/formulation.md, section
-    /// 10).
-    pub min_force: f64,
-    /// Maximum number of refinements of a linear solve.
-    ///
-    /// 4: decision 001.
-    pub max_refinements: usize,
     /// Defect of a linear solve, over its right side, that needs no refinement.
     ///
     /// 1e-10: decision 001.
@@ -76,17 +59,13 @@ impl Default for CoulombSettings {
     fn default() -> Self {
         Self {
             product: 1e-3,
-            swept_share: 0.1,
+            share: 0.1,
             max_iterations: 40,
             arc_products: [1e-1, 1e-3],
             max_arc: 250,
-            end_product: 0.1,
             max_sharpening: 8,
-            max_start_map: 1e-8,
             sharp: 1e-3,
             progress: 0.5,
-            min_force: 1e-2,
-            max_refinements: 4,
             refined: 1e-10,
             interior: CoulombInteriorSettings::default(),
             arc: ArcSettings::default(),
@@ -110,14 +89,11 @@ pub struct CoulombInteriorSettings {
     ///
     /// 3: decision 001.
     pub max_short_steps: u32,
-    /// Number of iterations in which the best residual must fall by [`progress`](Self::progress).
+    /// Number of iterations in which the best residual must fall by
+    /// [`progress`](CoulombSettings::progress).
     ///
     /// 10: decision 001.
     pub patience: usize,
-    /// Factor by which the best residual must fall in [`patience`](Self::patience) iterations.
-    ///
-    /// 0.5: decision 001.
-    pub progress: f64,
     /// Length of the last step below which the next one goes back to the path first: its target is
     /// at least [`min_centring`](Self::min_centring) times the mean product.
     ///
@@ -127,11 +103,6 @@ pub struct CoulombInteriorSettings {
     ///
     /// 0.8: no measurement is on record.
     pub min_centring: f64,
-    /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
-    /// less the mean product.
-    ///
-    /// 0.99 and 0.9995, as in the interior-point method of the associated law.
-    pub step: [f64; 2],
 }
 
 impl Default for CoulombInteriorSettings {
@@ -141,10 +112,8 @@ impl Default for CoulombInteriorSettings {
             short_step: 0.05,
             max_short_steps: 3,
             patience: 10,
-            progress: 0.5,
             centring_step: 0.2,
             min_centring: 0.8,
-            step: [0.99, 0.9995],
         }
     }
 }
@@ -187,14 +156,6 @@ pub struct ArcSettings {
     ///
     /// 2: no measurement is on record.
     pub divergence: f64,
-    /// Maximum tau, 1 at the start. Beyond, the path leads away from the solutions.
-    ///
-    /// 30: no measurement is on record.
-    pub max_tau: f64,
-    /// Minimum length of a predictor, over tau.
-    ///
-    /// 1e-9: no measurement is on record.
-    pub min_length: f64,
 }
 
 impl Default for ArcSettings {
@@ -208,8 +169,6 @@ impl Default for ArcSettings {
             recovery: 1.6,
             max_corrections: 4,
             divergence: 2.0,
-            max_tau: 30.0,
-            min_length: 1e-9,
         }
     }
 }

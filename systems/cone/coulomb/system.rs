@@ -5,6 +5,7 @@ use crate::program::ConeProgram;
 
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
+use super::super::condensed::refinement::refine;
 use super::super::condensed::scaled::{Scaled, add_forces, kinematics};
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
@@ -52,7 +53,6 @@ pub struct System<'a> {
     diagonal: Vec<[f64; 3]>,
     /// Usual compliances of every interaction, by which a regularisation is multiplied.
     soft: Vec<[f64; 3]>,
-    max_refinements: usize,
     refined: f64,
 }
 
@@ -94,7 +94,6 @@ impl<'a> System<'a> {
             matrix,
             factorisations: 0,
             soft,
-            max_refinements: settings.max_refinements,
             refined: settings.refined,
         }
     }
@@ -181,32 +180,21 @@ impl<'a> System<'a> {
         self.matrix.solve(&mut x[..n]);
         self.program.images.spread(&mut x);
         let scale = max_magnitude(&right);
-        let mut last = f64::INFINITY;
-        for _ in 0..self.max_refinements {
-            let mut defect = right.clone();
-            for ((d, diagonal), x) in defect.iter_mut().zip(&self.diagonal).zip(&x) {
+        let Self { program, cells, matrix, linear, diagonal, refined, .. } = self;
+        let set = |x: &[[f64; 3]], defect: &mut [[f64; 3]]| {
+            defect.copy_from_slice(&right);
+            for ((d, diagonal), x) in defect.iter_mut().zip(&*diagonal).zip(x) {
                 for k in 0..3 {
                     d[k] -= diagonal[k] * x[k];
                 }
             }
-            for (cell, linear) in self.cells.iter().zip(&self.linear) {
-                let s = times(&linear.stiffness, &self.kinematics(cell, &x));
-                add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut defect);
+            for (cell, linear) in cells.iter().zip(&*linear) {
+                let s = times(&linear.stiffness, &kinematics(cell.bodies, &cell.rows, x));
+                add_forces(cell.bodies, &cell.rows, &s, -1.0, defect);
             }
-            self.program.images.fold(&mut defect);
-            let size = max_magnitude(&defect);
-            if size <= self.refined * scale || size >= 0.5 * last || size.is_nan() {
-                break;
-            }
-            last = size;
-            self.matrix.solve(&mut defect[..n]);
-            self.program.images.spread(&mut defect);
-            for (x, d) in x.iter_mut().zip(&defect) {
-                for k in 0..3 {
-                    x[k] += d[k];
-                }
-            }
-        }
+        };
+        let enough = *refined * scale;
+        refine(&program.images, n, enough, &mut x, &mut right.clone(), set, |x| matrix.solve(x));
         x
     }
 }

@@ -19,7 +19,7 @@ mod carrying;
 mod units;
 
 pub use self::carrying::Carrying;
-pub(crate) use self::units::{Units, applied_force};
+pub(crate) use self::units::{MIN_FORCE, Units, applied_force};
 pub use self::units::{displacement_scale, force_scale};
 use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw};
 

@@ -12,6 +12,9 @@ use crate::program::{
 /// would not show.
 const MAX_FORCE: f64 = 1e5;
 
+/// Minimum unit of force over the force scale of the program.
+pub(crate) const MIN_FORCE: f64 = 1e-2;
+
 /// Maximum force of the program, contact or applied, N; at least 1 % of the force scale.
 ///
 /// Contact forces count if they act on a free degree of freedom. Between a rigid wall and a disk
@@ -41,7 +44,7 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
     // If all forces are zero (a bond has broken, a specimen is unloaded), the round-off of forces
     // that were there before must not count as an error.
     let expected = applied.max(program.scales.force);
-    contact.min(MAX_FORCE * expected).max(applied).max(1e-2 * program.scales.force)
+    contact.min(MAX_FORCE * expected).max(applied).max(MIN_FORCE * program.scales.force)
 }
 
 /// Maximum applied force, N.

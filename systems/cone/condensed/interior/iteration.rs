@@ -2,8 +2,10 @@
 
 use super::cell::{Ahead, Gains, Sizes, for_each};
 use super::groups::Groups;
-use super::point::{Interior, Warm, max_magnitude};
+use super::point::{Interior, Warm, max_magnitude, part_of_way};
+use crate::condensed::MIN_FORCE;
 use crate::condensed::matrix::BodyMatrix;
+use crate::condensed::refinement::refine;
 use crate::condensed::scaled::Scaled;
 use crate::condensed::settings::InteriorSettings;
 
@@ -20,8 +22,6 @@ const GAP_ROUND_OFF: f64 = 1e-11;
 const KINEMATIC_ROUND_OFF: f64 = 1e-15;
 /// Defect of a linear solve, over the maximum force, that round-off leaves.
 const SOLVE_ROUND_OFF: f64 = 1e-14;
-/// Maximum number of refinements of a linear solve.
-const MAX_REFINEMENTS: usize = 8;
 /// Maximum step of tau over tau. At the end of a solve the gap is round-off, and tau must not run
 /// away with it.
 const MAX_GROWTH: f64 = 1.0;
@@ -194,7 +194,7 @@ impl<'a> Iteration<'a> {
 
     /// Maximum force, for comparison.
     fn force(&self) -> f64 {
-        self.sizes.force.max(self.settings.min_force)
+        self.sizes.force.max(MIN_FORCE)
     }
 
     /// Whether the point goes to infinity: kappa is larger than tau.
@@ -441,8 +441,7 @@ impl<'a> Iteration<'a> {
 
     /// Moves the point.
     fn make_step(&mut self, to_boundary: f64, rho: f64, dk: f64) -> bool {
-        let [lower, upper] = self.settings.step;
-        let part = (1.0 - self.mu * self.tau * self.tau).clamp(lower, upper);
+        let part = part_of_way(self.mu * self.tau * self.tau);
         // A step onto the boundary, tau = 0, is as short of it as one that would cross it.
         let reaches = to_boundary < 1.0 || rho <= -1.0;
         let step = if reaches { to_boundary * part } else { 1.0 };
@@ -462,11 +461,9 @@ impl<'a> Iteration<'a> {
     /// Refines the solution of the condensed system, on the operator whose matrix was factorised.
     fn refine(&mut self) {
         let force = self.force();
-        let Self { program, matrix, settings, groups, weight, right, du, defect, .. } = self;
+        let Self { program, matrix, groups, weight, right, du, defect, .. } = self;
         let n = program.free.len();
-        let enough = (settings.refined * max_magnitude(&right[..n])).min(SOLVE_ROUND_OFF * force);
-        let mut last = f64::INFINITY;
-        for _ in 0..MAX_REFINEMENTS {
+        let set = |du: &[[f64; 3]], defect: &mut [[f64; 3]]| {
             defect[n..].fill([0.0; 3]);
             for (i, defect) in defect[..n].iter_mut().enumerate() {
                 for k in 0..3 {
@@ -477,20 +474,9 @@ impl<'a> Iteration<'a> {
             groups.scatter(defect, |cells, defect| {
                 for_each!(cell of cells => cell.take_away(du, defect));
             });
-            program.images.fold(defect);
-            let now = max_magnitude(&defect[..n]);
-            if now <= enough || !(now <= 0.5 * last) {
-                return;
-            }
-            last = now;
-            matrix.solve(&mut defect[..n]);
-            program.images.spread(defect);
-            for (du, d) in du.iter_mut().zip(&*defect) {
-                for k in 0..3 {
-                    du[k] += d[k];
-                }
-            }
-        }
+        };
+        let enough = SOLVE_ROUND_OFF * force;
+        refine(&program.images, n, enough, du, defect, set, |x| matrix.solve(x));
     }
 }
 

@@ -65,7 +65,7 @@ mod slacks;
 
 use self::ending::Ending;
 use self::iteration::Iteration;
-pub use self::point::{End, Goal, Interior, Judge, Warm, max_magnitude, slack};
+pub use self::point::{End, Goal, Interior, Judge, Warm, max_magnitude, part_of_way, slack};
 use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::InteriorSettings;

@@ -47,6 +47,7 @@ pub fn solve(
         last_length: 0.0,
         fast: Vec::new(),
         is_done: false,
+        is_shared: matrix.is_shared(),
     };
     if program.locals.iter().any(|l| l.has[2]) {
         iterate::<RollingSpring, 3>(program, matrix, start, &newton, goal, &mut elimination)
@@ -65,6 +66,8 @@ struct Elimination<'a> {
     fast: Vec<bool>,
     /// Whether bodies were eliminated since the last step: a step comes next in any case.
     is_done: bool,
+    /// Whether threads share the matrix of the program.
+    is_shared: bool,
 }
 
 impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
@@ -92,7 +95,7 @@ impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
             && let Some(slow) = SlowPart::of(program, &self.adjacency, self.settings, step)
         {
             let length = point.search(program, &slow.du, &slow.de, search);
-            if length > self.settings.min_gain * step.length {
+            if length > self.settings.fast * step.length {
                 step.length = length.min(1.0);
                 step.du = slow.du;
                 self.fast = slow.fast;
@@ -126,6 +129,7 @@ impl Elimination<'_> {
             &patches,
             &point.u,
             goal,
+            self.is_shared,
         );
         let mut moved = false;
         for (i, u) in solutions {

@@ -11,7 +11,8 @@ use crate::adjacency::Adjacency;
 /// Bodies with their displacements.
 type Moved = Vec<(usize, [f64; 3])>;
 
-/// Displacements of the bodies of all patches, each in balance with all others held at `u`.
+/// Displacements of the bodies of all patches, each in balance with all others held at `u`. Threads
+/// share the patches of a program that is worth it.
 pub fn balance_all<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     adjacency: &Adjacency,
@@ -19,11 +20,11 @@ pub fn balance_all<S: Elastic<F>, const F: usize>(
     patches: &[Vec<usize>],
     u: &[[f64; 3]],
     goal: Goal,
+    is_shared: bool,
 ) -> Moved {
     let balance =
         |members: &Vec<usize>| balance::<S, F>(program, adjacency, settings, members, u, goal);
-    let bodies = patches.iter().map(Vec::len).sum::<usize>();
-    let solutions: Vec<Option<Moved>> = if bodies >= settings.min_parallel_bodies {
+    let solutions: Vec<Option<Moved>> = if is_shared {
         in_parallel(patches.iter(), balance)
     } else {
         patches.iter().map(balance).collect()

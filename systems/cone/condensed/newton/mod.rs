@@ -94,7 +94,7 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
     let (mut iterations, mut tiny_steps) = (0, 0);
     let mut damping = settings.damping;
     loop {
-        point.evaluate(program, settings.min_force);
+        point.evaluate(program);
         let is_lost = iterations >= settings.patience
             && point.unbalance > settings.max_late_unbalance * point.force;
         let gives_up = iterations >= settings.max_iterations

@@ -1,6 +1,7 @@
 //! A point of the iteration, its evaluation, and the step from it.
 
 use super::Goal;
+use crate::condensed::MIN_FORCE;
 use crate::condensed::line_search::line_search;
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::{Local, Scaled, add_forces, kinematics};
@@ -36,7 +37,7 @@ pub struct Point<S, const F: usize> {
     pub e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
-    /// Maximum force of the interactions, and at least the minimum of the settings.
+    /// Maximum force of the interactions, at least [`MIN_FORCE`].
     pub force: f64,
     /// Maximum out-of-balance force.
     pub unbalance: f64,
@@ -75,10 +76,10 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
     }
 
     /// Computes forces and out-of-balance forces from the displacements.
-    pub(super) fn evaluate(&mut self, program: &Scaled, min_force: f64) {
+    pub(super) fn evaluate(&mut self, program: &Scaled) {
         program.images.spread(&mut self.u);
         program.balance_of_bodies(&self.u, &mut self.gradient);
-        let mut force = min_force;
+        let mut force = MIN_FORCE;
         for (k, (spring, arms)) in self.springs.iter().zip(&self.arms).enumerate() {
             self.e[k] = arms.kinematics(&self.u);
             self.responses[k] = spring.respond(self.e[k]);

@@ -44,23 +44,17 @@ pub struct InteriorSettings {
     /// regularisation alone stall; with 1e-6 where bodies have inertia, rigid grains that slide stall,
     /// because a step leaves this part of the way of the forces (decision 006).
     pub min_compliance: [f64; 2],
-    /// Defect of a linear solve, over its right side, above which it is refined.
-    ///
-    /// 1e-4: small beside the part that a step leaves of the way.
-    pub refined: f64,
     /// Weight of the maximum product in the residual.
     ///
     /// 0.02: decision 001.
     pub product_weight: f64,
-    /// Minimum force that the residual is relative to.
+    /// Goal of the Newton iteration over that of the method. Which limits are active shows only at a
+    /// point that is more exact than the tolerance. A point between the two goals may end the method
+    /// if it is good enough and the method is slow.
     ///
-    /// 1e-3: where no contact carries a force, the loads count, and they are of the order of 1.
-    pub min_force: f64,
-    /// Residual over the goal at which a point may end the method, if it is good enough and the
-    /// method is slow. Only for exact goals.
-    ///
-    /// 10: ending wherever the method was slow cost half of the time of a collapse. Ending only at
-    /// the goal wastes iterations near round-off (decision 006).
+    /// 10: a goal of 1e-11 for the default tolerance. Ending wherever the method was slow cost half of
+    /// the time of a collapse. Ending only at the goal wastes iterations near round-off (decision
+    /// 006).
     pub near: f64,
     /// Residual over that of the last iteration above which the method is slow.
     ///
@@ -83,11 +77,6 @@ pub struct InteriorSettings {
     ///
     /// 1e-4: from 1e-5 to 1e-2 solutions differ by at most 5e-8, and iterations by 2 % (decision 001).
     pub decided: f64,
-    /// Minimum and maximum part of the way to the boundary that a step takes. Between them it is 1
-    /// minus the mean product.
-    ///
-    /// 0.99 and 0.9995: decision 001.
-    pub step: [f64; 2],
 }
 
 impl Default for InteriorSettings {
@@ -100,16 +89,13 @@ impl Default for InteriorSettings {
             proximal: 1e-3,
             min_proximal: 1e-10,
             min_compliance: [1e-9, 1e-6],
-            refined: 1e-4,
             product_weight: 0.02,
-            min_force: 1e-3,
             near: 10.0,
             slow: 0.3,
             patience: 20,
             progress: 0.1,
             max_decisions: 4,
             decided: 1e-4,
-            step: [0.99, 0.9995],
         }
     }
 }

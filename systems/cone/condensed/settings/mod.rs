@@ -16,7 +16,7 @@ pub use self::interior::InteriorSettings;
 pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
-const DEFAULT_RESIDUAL: f64 = 1e-8;
+pub(crate) const DEFAULT_RESIDUAL: f64 = 1e-8;
 
 /// Settings of the condensed solver. serde reads and writes the numbers of the solver as a whole,
 /// except the safety factor.
@@ -34,27 +34,16 @@ pub struct CondensedSettings {
     /// 0.9: the judge of the increment computes the residual again, with different round-off.
     #[serde(skip)]
     pub safety: f64,
-    /// A tolerance above this is loose: active limits are not decided, and dynamic programs end with
-    /// the first point within the tolerance.
-    ///
-    /// The default tolerance. Ending with the first point saves an eighth of the iterations in
-    /// dynamics. It must not happen in statics, where it threw grains in 129 of 169 increments
-    /// (decision 006).
-    pub loose_tolerance: f64,
     /// Tolerance over the goal of the Newton iteration. The iteration measures the unbalance, which
-    /// is not the residual of the program.
+    /// is not the residual of the program. The interior point aims lower by the factor
+    /// [`near`](InteriorSettings::near).
     ///
     /// 90: a goal of 1e-10 for the default tolerance. Decision 001.
-    pub newton_margin: f64,
+    pub margin: f64,
     /// Margin of the Newton iteration for a loose tolerance.
     ///
     /// 3: decision 001.
-    pub loose_newton_margin: f64,
-    /// Tolerance over the goal of the interior point. Which limits are active shows only at a point
-    /// that is more exact than the tolerance.
-    ///
-    /// 900: a goal of 1e-11 for the default tolerance. Decision 001.
-    pub interior_margin: f64,
+    pub loose_margin: f64,
     /// Number of interactions above which a program is large: its limits are not decided, and without
     /// bonds a time step ends with the first point within the tolerance.
     ///
@@ -65,6 +54,12 @@ pub struct CondensedSettings {
     ///
     /// 20: decision 001.
     pub max_start: f64,
+    /// Complementarity products that the interior point starts with where it starts from the last
+    /// forces, force times displacement.
+    ///
+    /// 3e-4: with less it gets stuck at the wrong limits, with more it forgets the start.
+    #[serde(skip)]
+    pub warm_product: f64,
     /// Newton iteration of the whole program.
     #[serde(skip)]
     pub newton: NewtonSettings,
@@ -74,12 +69,6 @@ pub struct CondensedSettings {
     /// Interior-point method.
     #[serde(skip)]
     pub interior: InteriorSettings,
-    /// Warm start of large dynamic programs.
-    #[serde(skip)]
-    pub warm: WarmSettings,
-    /// Sleeping bodies.
-    #[serde(skip)]
-    pub sleep: SleepSettings,
 }
 
 impl Default for CondensedSettings {
@@ -88,17 +77,14 @@ impl Default for CondensedSettings {
         Self {
             tolerance: safety * DEFAULT_RESIDUAL,
             safety,
-            loose_tolerance: safety * DEFAULT_RESIDUAL,
-            newton_margin: 90.0,
-            loose_newton_margin: 3.0,
-            interior_margin: 900.0,
+            margin: 90.0,
+            loose_margin: 3.0,
             large: 2500,
             max_start: 20.0,
+            warm_product: 3e-4,
             newton: NewtonSettings::default(),
             local: LocalSettings::default(),
             interior: InteriorSettings::default(),
-            warm: WarmSettings::default(),
-            sleep: SleepSettings::default(),
         }
     }
 }
@@ -108,47 +94,5 @@ impl CondensedSettings {
     #[must_use]
     pub fn with_tolerance(tolerance: f64) -> Self {
         Self { tolerance, ..Self::default() }
-    }
-}
-
-/// Settings of the warm start: sweeps from the last forces, then the interior point.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct WarmSettings {
-    /// A contact without force is left out if its gap exceeds this fraction of the maximum
-    /// displacement.
-    ///
-    /// 0.06: decision 001.
-    pub max_gap: f64,
-    /// Complementarity products that the interior point starts with, force times displacement.
-    ///
-    /// 3e-4: with less it gets stuck at the wrong limits, with more it forgets the start.
-    pub product: f64,
-    /// Maximum number of times that contacts which were left out and have closed are taken back.
-    ///
-    /// 2: a cap on work that is thrown away if contacts keep closing. Inert in decision 001.
-    pub max_returns: usize,
-}
-
-impl Default for WarmSettings {
-    fn default() -> Self {
-        Self { max_gap: 0.06, product: 3e-4, max_returns: 2 }
-    }
-}
-
-/// Settings of the search for sleeping bodies.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct SleepSettings {
-    /// Maximum residual of sleeping bodies, without dimension.
-    ///
-    /// 1e-10: a hundredth of the default tolerance of increments, so that the residual of sleeping
-    /// bodies does not count beside it.
-    pub max_residual: f64,
-}
-
-impl Default for SleepSettings {
-    fn default() -> Self {
-        Self { max_residual: 1e-10 }
     }
 }

@@ -38,10 +38,6 @@ pub struct NewtonSettings {
     ///
     /// 1e-10: small beside the stiffness of a contact, which is of the order of 1.
     pub min_damping: f64,
-    /// Minimum force that the unbalance is compared with.
-    ///
-    /// 1e-3: where no contact carries a force, the loads count, and they are of the order of 1.
-    pub min_force: f64,
     /// Line search along a step.
     pub line_search: LineSearchSettings,
 }
@@ -56,7 +52,6 @@ impl Default for NewtonSettings {
             max_late_unbalance: 1e-2,
             damping: 1e-10,
             min_damping: 1e-10,
-            min_force: 1e-3,
             line_search: LineSearchSettings::default(),
         }
     }
@@ -76,20 +71,11 @@ pub struct LineSearchSettings {
     ///
     /// 30: a bisection gains a factor of 1e9 with as many.
     pub max_evaluations: u32,
-    /// Maximum length of a step, as a multiple of the Newton step. Nothing holds the bodies of a
-    /// longer one.
-    ///
-    /// 1e6: a guard against steps without end. Inert in decision 001.
-    pub max_length: f64,
-    /// Width of the bracket of the zero, over its upper end, at which the search ends.
-    ///
-    /// 1e-9: the derivative jumps within it.
-    pub min_bracket: f64,
 }
 
 impl Default for LineSearchSettings {
     fn default() -> Self {
-        Self { max_slope: 0.02, max_evaluations: 30, max_length: 1e6, min_bracket: 1e-9 }
+        Self { max_slope: 0.02, max_evaluations: 30 }
     }
 }
 
@@ -128,11 +114,6 @@ pub struct LocalSettings {
     ///
     /// 50: far enough that the step of a patch does not close it unseen. Inert in decision 001.
     pub max_gap: f64,
-    /// Minimum number of eliminated bodies for which patches are distributed among threads. Changes
-    /// no result.
-    ///
-    /// 300: distributing less costs more time than it saves.
-    pub min_parallel_bodies: usize,
     /// Unbalance that a patch may keep, over the maximum unbalance before.
     ///
     /// 1e-8: if all but a few clusters are elastic, the unbalance of a patch becomes the residual
@@ -142,19 +123,16 @@ pub struct LocalSettings {
     ///
     /// 1e-10: decision 001.
     pub goal: f64,
-    /// A body is fast if its step exceeds this many times the
-    /// [`fast_quantile`](Self::fast_quantile) of all steps.
+    /// Factor by which the step of a fast body exceeds the [`fast_quantile`](Self::fast_quantile) of
+    /// all steps, and by which a step must be longer without the fast bodies for them to be left
+    /// behind.
     ///
-    /// 2: decision 001.
+    /// 2: decision 001. Without fast bodies rock at its peak takes twice the iterations.
     pub fast: f64,
     /// Quantile of the steps of all bodies that fast bodies are compared with.
     ///
     /// 0.97: other quantiles change the time by a tenth (decision 007).
     pub fast_quantile: f64,
-    /// Factor by which a step without the fast bodies must be longer for them to be left behind.
-    ///
-    /// 2: decision 001.
-    pub min_gain: f64,
     /// Newton iteration of a patch. Its limits guard against hanging: a patch ends at its goal.
     pub newton: NewtonSettings,
 }
@@ -169,12 +147,10 @@ impl Default for LocalSettings {
             max_bodies: 1500,
             max_interactions: 32,
             max_gap: 50.0,
-            min_parallel_bodies: 300,
             residual: 1e-8,
             goal: 1e-10,
             fast: 2.0,
             fast_quantile: 0.97,
-            min_gain: 2.0,
             newton: NewtonSettings {
                 max_iterations: 30,
                 max_tiny_steps: 30,
