@@ -41,6 +41,15 @@ impl AnalysisKind {
             Self::Static | Self::Compaction { .. } => 1.0,
         }
     }
+
+    /// Time step, s, where time passes.
+    #[must_use]
+    pub fn dt(self) -> Option<f64> {
+        match self {
+            Self::Dynamic { dt, .. } => Some(dt),
+            Self::Static | Self::Compaction { .. } => None,
+        }
+    }
 }
 
 /// Kind of analysis, gravity and thickness.

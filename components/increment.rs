@@ -31,13 +31,6 @@ pub enum Avalanche {
     Dynamic,
 }
 
-impl Avalanche {
-    /// Whether the rule is the default, which scenes leave out when they are written.
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 /// In which order bonds break.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
@@ -65,14 +58,11 @@ pub struct RuptureRules {
     pub tolerance: f64,
     /// With `Events`: density of ruptures (share of the bonds per relative change of force) from
     /// which many bonds break together at the end of an increment. Above 20: never.
-    #[serde(skip_serializing_if = "is_usual_density")]
     pub density: f64,
     /// With `Events`: maximum force that ruptures release, as a multiple of the mean contact force,
     /// at which many bonds break together at the end of an increment. 0: only `density` decides.
-    #[serde(skip_serializing_if = "is_usual_brittleness")]
     pub brittleness: f64,
     /// With `Events`: what happens after the first bond of an avalanche.
-    #[serde(skip_serializing_if = "Avalanche::is_default")]
     pub avalanche: Avalanche,
     /// A bond is on a limit if its slack is below this fraction of the limit.
     #[serde(skip)]
@@ -88,15 +78,6 @@ impl RuptureRules {
     pub const DENSITY: f64 = 0.1;
     /// Default of [`brittleness`](Self::brittleness).
     pub const BRITTLENESS: f64 = 0.5;
-}
-
-/// Whether the density is the default, which scenes leave out when they are written.
-fn is_usual_density(density: &f64) -> bool {
-    density.total_cmp(&RuptureRules::DENSITY).is_eq()
-}
-
-fn is_usual_brittleness(brittleness: &f64) -> bool {
-    brittleness.total_cmp(&RuptureRules::BRITTLENESS).is_eq()
 }
 
 impl Default for RuptureRules {

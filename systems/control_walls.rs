@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, BodyPosition, Ramp};
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::{
     LoadedLength, TableOf, Wall, WallControl, WallDrive, WallName, WallRotation, WallSlide,
     WallTable,
@@ -57,7 +57,7 @@ pub fn control_walls(
     names: Query<&WallName>,
     mut commands: Commands,
 ) {
-    let dt = time_step(&analysis);
+    let dt = analysis.kind.dt();
     for (entity, control, mut drive, table, slide) in &mut walls {
         let next = match *control {
             WallControl::Fixed => WallDrive::default(),
@@ -122,14 +122,6 @@ pub fn control_walls(
     }
 }
 
-/// Time step of a dynamic analysis, s.
-fn time_step(analysis: &ClasticAnalysis) -> Option<f64> {
-    match analysis.kind {
-        AnalysisKind::Dynamic { dt, .. } => Some(dt),
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
-    }
-}
-
 /// Updates the drives of stress-controlled walls in the table. The stress acts on the current
 /// length between the walls, which a followed motion may have changed.
 pub fn renew_stresses<'w>(
@@ -145,7 +137,7 @@ pub fn renew_stresses<'w>(
             WallControl::Table(TableOf::Stress(length)) => {
                 let entity = bodies.entities[wall.body as usize];
                 let Some(table) = table_of(entity) else { continue };
-                (table.next(progress, time_step(analysis))[0], length)
+                (table.next(progress, analysis.kind.dt())[0], length)
             }
             _ => continue,
         };

@@ -9,7 +9,13 @@ from .program import WORDS
 
 
 def main() -> None:
-    """Runs the program with the arguments of this process. ``stability`` is a command of the package."""
+    """Runs the program with the arguments of this process. ``envelope`` and ``stability`` are commands of the
+    package.
+    """
+    if sys.argv[1:2] == ["envelope"]:
+        from . import _envelope_command
+
+        sys.exit(_envelope_command.main(sys.argv[2:]))
     if sys.argv[1:2] == ["stability"]:
         from . import _stability_command
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import re
-import sys
 from collections.abc import Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ._arguments import FILES, INTERRUPTED, SCENE, complain, positive, setting
 from ._scene import Settings
 from .errors import RunError, SceneError
 from .run import check
@@ -17,9 +17,6 @@ from .stability import Place, Stability, stability
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-
-#: Exit codes of the program: input or output failed, a scene is wrong, interrupted.
-FILES, SCENE, INTERRUPTED = 1, 3, 130
 
 DESCRIPTION = """\
 Find the factor on gravity, or the reduction of strength, at which slopes of several packings and cuts slide, beside
@@ -58,13 +55,13 @@ def main(arguments: Sequence[str]) -> int:
         )
         print(_write(found, given.out))
     except ImportError as error:
-        return _complain(f"{error}; install the package with './python[all]'", FILES)
+        return complain(f"{error}; install the package with './python[all]'", FILES)
     except (SceneError, ValueError) as error:
-        return _complain(str(error), SCENE)
+        return complain(str(error), SCENE)
     except (RunError, OSError) as error:
-        return _complain(str(error), FILES)
+        return complain(str(error), FILES)
     except KeyboardInterrupt:
-        return _complain("interrupted; the same command goes on with the runs that have ended", INTERRUPTED)
+        return complain("interrupted; the same command goes on with the runs that have ended", INTERRUPTED)
     return 0
 
 
@@ -89,10 +86,10 @@ def _parser() -> argparse.ArgumentParser:
     for name, unit in (("height", "m"), ("angle", "degrees"), ("gravity", "m/s^2")):
         add(f"--{name}", type=float, help=f"{name} of the slope, {unit} [default: `{name}` in `let` of SCENE]")
     add("--most", type=float, default=8.0, metavar="FACTOR", help="largest factor [default: %(default)s]")
-    add("--set", type=_setting, action="append", default=[], metavar="PATH=VALUE", help="set a field of the slope; may be repeated")
-    add("--set-block", type=_setting, action="append", default=[], metavar="PATH=VALUE", help="set a field of the block; may be repeated")
+    add("--set", type=setting, action="append", default=[], metavar="PATH=VALUE", help="set a field of the slope; may be repeated")
+    add("--set-block", type=setting, action="append", default=[], metavar="PATH=VALUE", help="set a field of the block; may be repeated")
     add("--out", type=Path, default=Path("runs", "stability"), metavar="DIR", help="folder [default: %(default)s]")
-    add("--jobs", type=_positive, metavar="N", help="maximum number of simultaneous runs [default: number of cores]")
+    add("--jobs", type=positive, metavar="N", help="maximum number of simultaneous runs [default: number of cores]")
     return parser
 
 
@@ -102,19 +99,6 @@ def _place(text: str) -> Place:
     except ValueError:
         raise argparse.ArgumentTypeError(f"{text!r} is no place; write x and y in m, as in 1.3,1.0") from None
     return x, y
-
-
-def _setting(text: str) -> tuple[str, str]:
-    path, equals, value = text.partition("=")
-    if not (path and equals):
-        raise argparse.ArgumentTypeError(f"{text!r} is no setting; write PATH=VALUE, as in let.cohesion=20e3")
-    return path, value
-
-
-def _positive(text: str) -> int:
-    if not (text.isdecimal() and int(text) > 0):
-        raise argparse.ArgumentTypeError(f"{text!r}: write a whole number from 1")
-    return int(text)
 
 
 def _shape(given: argparse.Namespace) -> dict[str, float]:
@@ -191,8 +175,3 @@ def _draw(found: Stability, row: int) -> Figure:
             fontsize="medium",
         )
     return ax.figure
-
-
-def _complain(message: str, code: int) -> int:
-    print(f"error: {message}", file=sys.stderr)
-    return code

@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from . import _engine
 from .results import Run
+from .strengths import hoek_brown, mohr_coulomb
 
 #: What a quantity is proportional to: stiffness (a modulus), strength (a stress), their ratio (a strain).
 SCALES = ("stiffness", "strength", "strain")
@@ -280,12 +280,12 @@ def cohesion(*runs: Run) -> float:
         If a run has no peak, or all have one lateral stress. It is the `lateral_stress` of the scene at the
         peak, and 0 where the scene measures none.
     """
-    return _engine.mohr_coulomb(_peaks(runs))[0]
+    return mohr_coulomb(_peaks(runs))[0]
 
 
 def friction_angle(*runs: Run) -> float:
     """Friction angle (degrees) of the same line. Errors are those of :func:`cohesion`."""
-    return _engine.mohr_coulomb(_peaks(runs))[1]
+    return mohr_coulomb(_peaks(runs))[1]
 
 
 def hoek_brown_m(*runs: Run) -> float:
@@ -297,8 +297,4 @@ def hoek_brown_m(*runs: Run) -> float:
     ValueError
         As :func:`cohesion`, or if the line gives no sigma_ci.
     """
-    sigma_3, sigma_1 = np.transpose(_peaks(runs))
-    slope, square = np.polyfit(sigma_3, (sigma_1 - sigma_3) ** 2, 1)
-    if square <= 0.0:
-        raise ValueError("the strengths of these runs have no sigma_ci: the line begins below zero")
-    return float(slope / np.sqrt(square))
+    return hoek_brown(_peaks(runs))[1]

@@ -43,6 +43,5 @@ fn _engine(module: &Bound<PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(results::curve, module)?)?;
     module.add_function(wrap_pyfunction!(results::drives, module)?)?;
     module.add_function(wrap_pyfunction!(results::marks, module)?)?;
-    module.add_function(wrap_pyfunction!(results::mohr_coulomb, module)?)?;
     module.add("__version__", env!("CARGO_PKG_VERSION"))
 }

@@ -65,10 +65,7 @@ fn trial<'py>(
     trial.set_item("increments_done", progress.done)?;
     trial.set_item("fraction", progress.fraction)?;
     trial.set_item("time", progress.time)?;
-    let dt = match kind {
-        AnalysisKind::Dynamic { dt, .. } => dt,
-        _ => 0.0,
-    };
+    let dt = kind.dt().unwrap_or(0.0);
     trial.set_item("time_end", progress.time + dt * progress.fraction)?;
     py.import("types")?.getattr("SimpleNamespace")?.call((), Some(&trial))
 }

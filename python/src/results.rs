@@ -7,7 +7,6 @@ use clastic::output::directory;
 use clastic::output::drive::Drive;
 use clastic::output::marks::marks as marks_of;
 use clastic::output::read_history::History;
-use clastic::study::strength::{MohrCoulomb, Strength};
 use glam::DVec2;
 use numpy::{PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyOSError, PyValueError};
@@ -88,13 +87,4 @@ pub fn drives<'py>(
 pub fn marks(run: PathBuf) -> PyResult<Vec<String>> {
     let record = directory::record(&run).map_err(|e| PyOSError::new_err(e.to_string()))?;
     Ok(marks_of(&record))
-}
-
-/// Cohesion (Pa) and friction angle (degrees) of pairs of confining stress and peak, Pa.
-#[pyfunction]
-pub fn mohr_coulomb(strengths: Vec<(f64, f64)>) -> PyResult<(f64, f64)> {
-    let strengths: Vec<_> =
-        strengths.into_iter().map(|(confining, peak)| Strength { confining, peak }).collect();
-    let fit = MohrCoulomb::fit(&strengths).map_err(PyValueError::new_err)?;
-    Ok((fit.cohesion, fit.friction_angle))
 }

@@ -174,8 +174,43 @@ def test_a_study_and_an_envelope_are_tables(tmp_path: Path) -> None:
     # sigma_1 = 2 c sqrt(N) + N sigma_3 goes through both points.
     n = (1 + np.sin(np.radians(phi))) / (1 - np.sin(np.radians(phi)))
     assert np.allclose(2 * cohesion * np.sqrt(n) + n * np.array([1e5, 2e5]), peaks)
+    assert "envelopes of 2 peaks at confining stresses from 0.1 to 0.2 MPa" in str(envelope)
+    assert f"  phi       {phi:.2f} degrees" in str(envelope)
     with pytest.raises(clastic.RunError, match="unknown field `nothing`"):
         clastic.sweep(scene="tension", grid={"nothing": [1]}, out=tmp_path / "bad", progress=False)
+
+
+def test_the_envelope_of_a_cemented_sand_is_near_that_of_its_bonds(tmp_path: Path) -> None:
+    """The cement of the scene has a cohesion of 50 kPa and a friction of 0.5 (26.6 degrees); contacts that rearrange
+    add to both."""
+    walls = [f"stages.confine.walls.{name}.stress" for name in ("left", "right", "bottom", "top")]
+    fields = [word for wall in walls for word in ("--field", wall)]
+    stop = ["--set", 'stages.load.stop=[Above("axial_strain", 0.02)]']
+    found = ["--confining", "50e3,100e3,200e3", "--out", str(tmp_path), "--quiet"]
+    said = program("envelope", "biaxial_small", *found, *fields, *stop).stdout
+    value = {line.split()[0]: float(line.split()[1]) for line in said.splitlines() if line.startswith("  ") and "not" not in line}
+    assert 0.03 < value["c"] < 0.08 and 25.0 < value["phi"] < 36.0, said
+    assert "the envelopes include 3 runs with marks" in said
+    assert len((tmp_path / "envelope.csv").read_text().splitlines()) == 4
+
+
+def test_an_envelope_of_runs_without_a_peak_is_none(tmp_path: Path) -> None:
+    """Packings that jam have no peaks: the command told of "0 peaks from inf to -inf MPa"."""
+    rig = Path(__file__).parents[2] / "rigs" / "biaxial.ron"
+    envelope = clastic.envelope(
+        rig, [50e3, 100e3], set={"stages.compact.target": "Porosity(0.12)"}, out=tmp_path, progress=False
+    )
+    assert "no run has a peak" in str(envelope) and "inf" not in str(envelope)
+
+
+def test_an_envelope_says_what_it_needs(tmp_path: Path) -> None:
+    two = ["--confining", "1e5,2e5", "--out", str(tmp_path)]
+    for arguments, code, told in (
+        (["--confining", "1e5"], 3, "two confining stresses"),
+        ([*two, "--seeds", "1,x"], 2, "write whole numbers"),
+        (two, 1, "--field"),
+    ):
+        assert told in program("envelope", "biaxial_small", *arguments, code=code).stderr
 
 
 def test_the_program_comes_with_the_package() -> None:

@@ -4,7 +4,6 @@
 //! and `resume` know the stages, measures and walls that the plugins provide.
 
 mod check;
-mod envelope;
 pub mod exit;
 mod export;
 mod interrupt;
@@ -85,15 +84,13 @@ enum Command {
     },
     /// Make the runs of a study, several at once, and write one table
     Sweep(SweepArgs),
-    /// Find the strength at several confining stresses: c and phi, sigma_ci and m_i
-    Envelope(EnvelopeArgs),
+    /// Find the strength at several confining stresses: a command of the package for Python
+    /// (docs/studies.md)
+    #[command(disable_help_flag = true)]
+    Envelope(OfPython),
     /// Find the factor at which slopes slide: a command of the package for Python (docs/python.md)
     #[command(disable_help_flag = true)]
-    Stability {
-        /// Its arguments
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-        arguments: Vec<OsString>,
-    },
+    Stability(OfPython),
     /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
     Export(export::ExportArgs),
     /// Write a page for a browser: curves, animation and key results of a run, or curves and a
@@ -134,50 +131,22 @@ struct SweepArgs {
     quiet: bool,
 }
 
-/// Arguments of an envelope.
+/// Arguments of a command of the package for Python.
 #[derive(Args)]
-struct EnvelopeArgs {
-    /// A scene file, or the name of a scene in ./scenes or of one that clastic ships
-    scene: PathBuf,
-    /// Confining stresses, Pa, compression positive, two or more: 0,5e6,10e6
-    #[arg(long, value_name = "PA,...", value_delimiter = ',', required = true)]
-    #[arg(value_parser = stress)]
-    confining: Vec<f64>,
-    /// Field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place
-    /// of the stress; may be repeated
-    #[arg(long = "field", value_name = "PATH[=VALUE]", default_value = envelope::DEFAULT_FIELD)]
-    fields: Vec<String>,
-    /// Seeds of the specimen
-    #[arg(long, value_name = "N,...", value_delimiter = ',', value_parser = seed)]
-    seeds: Vec<u64>,
-    /// Field of the scene that is the seed; may be repeated
-    #[arg(long = "seed-field", value_name = "PATH", default_value = "let.seed")]
-    seed_fields: Vec<String>,
-    /// A scene whose state at the end is the specimen of all runs of a seed; --seed-field is then a
-    /// field of this scene
-    #[arg(long, value_name = "SCENE")]
-    prepare: Option<PathBuf>,
-    /// Set a field of the scene for all runs; may be repeated
-    #[arg(long = "set", value_name = "PATH=VALUE")]
-    sets: Vec<String>,
-    /// Directory for the runs and the envelope [default: runs/<name of the scene>_envelope]
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Maximum number of simultaneous runs [default: number of cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
-    jobs: Option<u32>,
-    /// Show no progress, only the result
-    #[arg(short, long)]
-    quiet: bool,
+struct OfPython {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    arguments: Vec<OsString>,
 }
 
-fn stress(text: &str) -> Result<f64, &'static str> {
-    let value = text.trim().parse().ok().filter(|value: &f64| value.is_finite());
-    value.ok_or("write numbers in Pa with commas between them, as in 0,5e6,10e6")
-}
-
-fn seed(text: &str) -> Result<u64, &'static str> {
-    text.trim().parse().map_err(|_| "write whole numbers with commas between them, as in 1,2,3")
+impl OfPython {
+    /// Where the command is.
+    fn refuse(self, command: &str) -> Result<Exit, exit::Failure> {
+        let message = format!(
+            "`clastic {command}` is a command of the package for Python: `pip install './python[all]'`, and \
+             then `clastic {command} --help` of that environment; docs/python.md has the rest"
+        );
+        Err(exit::Failure { exit: Exit::Usage, message })
+    }
 }
 
 /// Batch systems that a sweep can write jobs for.
@@ -269,10 +238,6 @@ struct OutputArgs {
     quiet: bool,
 }
 
-/// Where the command `stability` is.
-const OF_PYTHON: &str = "`clastic stability` is a command of the package for Python: `pip install './python[all]'`, and \
-                         then `clastic stability --help` of that environment; docs/python.md has the rest";
-
 /// Runs the `clastic` program with further plugins; `()` for none. The arguments are those of the
 /// process.
 pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
@@ -312,10 +277,8 @@ fn execute<M>(command: Command, words: &[OsString], plugins: impl Plugins<M> + S
         Command::List => list::list(),
         Command::New { name } => new::new(name.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, words, &program()),
-        Command::Envelope(args) => envelope::envelope(&args, words, &program()),
-        Command::Stability { .. } => {
-            Err(exit::Failure { exit: Exit::Usage, message: OF_PYTHON.to_owned() })
-        }
+        Command::Envelope(args) => args.refuse("envelope"),
+        Command::Stability(args) => args.refuse("stability"),
         Command::Export(args) => export::export(&args),
         #[cfg(feature = "report")]
         Command::Report { runs, out } => report::report(&runs, out),

@@ -19,7 +19,7 @@ pub(super) struct Pair {
 }
 
 /// The code of a bond's state.
-pub(super) fn code(state: BondState) -> u8 {
+pub(crate) fn code(state: BondState) -> u8 {
     match state {
         BondState::Intact => 1,
         BondState::Broken(RuptureMode::Tension) => 2,

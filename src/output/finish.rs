@@ -14,7 +14,6 @@ use super::read_history::History;
 use super::run_directory::RunDirectory;
 use super::run_record::OutcomeRecord;
 use super::save::{save, save_the_end};
-use super::snapshot::Snapshot;
 use super::{OutputError, directory, frames, names, states};
 use crate::run::key_results::{KeyResults, Results};
 use crate::run::sanity;
@@ -61,9 +60,8 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
     states::write_final(world)?;
     frames::write_peak(world)?;
     frames::write_end(world)?;
-    let last = Snapshot::take(world);
+    frames::write_final_particles(world)?;
     world.resource_scope(|world, mut run: Mut<RunDirectory>| {
-        frames::write_particles(&run.path(names::FINAL_PARTICLES), &last)?;
         // The avalanche of an interrupted run continues after it is resumed.
         if ending.outcome().is_some()
             && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()

@@ -4,7 +4,10 @@
 use std::path::Path;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+use glam::DVec2;
 
+use clastic_components::body::{BodyOrigin, BodyRotation};
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::material::Materials;
@@ -13,7 +16,6 @@ use clastic_components::observation::Observation;
 use super::atomic::{atomically, write_atomic};
 use super::csv_file::Row;
 use super::run_directory::RunDirectory;
-use super::snapshot::{Particles, Snapshot};
 use super::wanted::Wanted;
 use super::{OutputError, directory, names};
 use crate::frames::{Frame, FrameTables};
@@ -27,21 +29,31 @@ pub const COLUMNS: [&str; 7] = ["id", "x_m", "y_m", "radius_m", "rotation_rad", 
 /// Whether this build writes frames as arrays.
 pub(super) const ARE_ARRAYS: bool = cfg!(feature = "npz");
 
-/// Writes the particles of a frame as CSV.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_particles(path: &Path, snapshot: &Snapshot) -> Result<(), OutputError> {
-    let mut text = COLUMNS.join(",") + "\n";
-    for (i, x) in snapshot.positions.iter().enumerate() {
-        let row = Row::default()
-            .count(u64::from(snapshot.ids[i]))
-            .numbers(x.to_array())
-            .numbers([snapshot.radii[i], snapshot.rotations[i]])
-            .numbers(snapshot.displacements[i].to_array());
-        text.push_str(&row.line());
+/// The parts of a world that a frame as CSV shows. The [`BodyTable`] must be up to date, as it is
+/// after an increment.
+#[derive(SystemParam)]
+pub(super) struct Particles<'w, 's> {
+    bodies: Res<'w, BodyTable>,
+    motions: Query<'w, 's, (&'static BodyRotation, &'static BodyOrigin)>,
+}
+
+impl Particles<'_, '_> {
+    /// Writes the particles of a frame as CSV.
+    pub(super) fn write(&self, path: &Path) -> Result<(), OutputError> {
+        let mut text = COLUMNS.join(",") + "\n";
+        let bodies = &*self.bodies;
+        for (i, x) in bodies.positions.iter().take(bodies.particles).enumerate() {
+            let motion = self.motions.get(bodies.entities[i]).ok();
+            let row = Row::default()
+                .count(u64::from(bodies.ids[i].0))
+                .numbers(x.to_array())
+                .number(bodies.radii[i])
+                .number(motion.map_or(0.0, |(rotation, _)| rotation.0))
+                .numbers(motion.map_or(DVec2::ZERO, |(_, origin)| *x - origin.0).to_array());
+            text.push_str(&row.line());
+        }
+        write_atomic(path, text)
     }
-    write_atomic(path, text)
 }
 
 /// The particles as a stored specimen. Materials are named only if there are several. A scene that
@@ -77,12 +89,20 @@ pub(super) fn write_wanted(
         return Ok(());
     }
     let path = directory::frame(run.directory(), observation.increment);
-    write_particles(&path, &particles.snapshot())?;
+    particles.write(&path)?;
     if ARE_ARRAYS {
         write(&mut run, &path.with_extension("npz"), &tables.frame())?;
     }
     run.is_fresh(path);
     Ok(())
+}
+
+/// Writes the particles at the end.
+pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError> {
+    let write = |particles: Particles, run: Res<RunDirectory>| {
+        particles.write(&run.path(names::FINAL_PARTICLES))
+    };
+    world.run_system_cached(write).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// Frames that may have to be written later. A checkpoint does not have them: they follow from the

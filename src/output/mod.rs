@@ -59,7 +59,6 @@ pub mod report;
 pub(crate) mod run_directory;
 pub mod run_record;
 mod save;
-pub(crate) mod snapshot;
 mod states;
 pub mod timings;
 pub mod view;

@@ -9,7 +9,7 @@ use clastic_components::wall::Wall;
 use crate::frames::mesh::triangles;
 
 use super::prepared::Prepared;
-use super::snapshot::Snapshot;
+use crate::scene::StoredParticle;
 
 /// Porosity at the start of the reference stage: one minus the area of the disks over that of the
 /// specimen, which is that of the periodic cell. Without a cell an extent of the specimen is the
@@ -19,7 +19,7 @@ pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Prepared) -> 
     if start.cell_area.is_some() {
         return in_cell_or_box(start);
     }
-    let start = &start.snapshot;
+    let start = &start.rows;
     let normal = |measure: &Option<StrainMeasure>| match measure {
         Some(StrainMeasure::Walls(wall, _)) => walls.get(*wall).ok().map(Wall::inward),
         _ => None,
@@ -29,42 +29,51 @@ pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Prepared) -> 
     let [height, width] = measures.reference.unwrap_or([f64::NAN; 2]);
     let height = if axial.is_some() { height } else { extent(start, axis)? };
     let width = if lateral.is_some() { width } else { extent(start, axis.perp())? };
-    Some(1.0 - start.area() / (height * width)).filter(|p| p.is_finite())
+    Some(1.0 - total(start) / (height * width)).filter(|p| p.is_finite())
 }
 
 /// Porosity of the periodic cell, or without one within the box around the disks.
 pub fn in_cell_or_box(packing: &Prepared) -> Option<f64> {
-    let disks = &packing.snapshot;
-    packing.cell_area.map_or_else(|| in_box(disks), |area| Some(1.0 - disks.area() / area))
+    let disks = &packing.rows;
+    packing.cell_area.map_or_else(|| in_box(disks), |area| Some(1.0 - total(disks) / area))
 }
 
 /// Porosity within the axis-aligned box around the disks; `None` without disks.
-pub fn in_box(disks: &Snapshot) -> Option<f64> {
-    Some(1.0 - disks.area() / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
+fn in_box(disks: &[StoredParticle]) -> Option<f64> {
+    Some(1.0 - total(disks) / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
 }
 
 /// Porosity within the [triangles] between the centres of neighbouring disks: that of a specimen
 /// whose outline was cut, so that walls and boxes around it enclose voids that are not part of it.
 /// A disk fills of a triangle the sector between two sides. `None` without triangles.
-pub fn within(disks: &Snapshot) -> Option<f64> {
-    let all = disks.positions.iter().zip(&disks.radii).enumerate();
+pub fn within(disks: &[StoredParticle]) -> Option<f64> {
+    let all = disks.iter().enumerate();
     let (mut filled, mut area) = (0.0, 0.0);
-    for rows in triangles(all.map(|(row, (x, r))| (row, *x, *r))) {
-        let corners = rows.map(|row| disks.positions[row]);
+    for rows in triangles(all.map(|(row, disk)| (row, place(disk), disk.r))) {
+        let corners = rows.map(|row| place(&disks[row]));
         area += 0.5 * (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs();
         for (k, row) in rows.into_iter().enumerate() {
             let [a, b] = [1, 2].map(|next| corners[(k + next) % 3] - corners[k]);
             let angle = libm::atan2(a.perp_dot(b).abs(), a.dot(b));
-            filled += 0.5 * angle * disks.radii[row].powi(2);
+            filled += 0.5 * angle * disks[row].r.powi(2);
         }
     }
     (area > 0.0).then(|| 1.0 - filled / area)
 }
 
+fn place(disk: &StoredParticle) -> DVec2 {
+    DVec2::new(disk.x, disk.y)
+}
+
+/// Total area of the disks, m^2.
+fn total(disks: &[StoredParticle]) -> f64 {
+    disks.iter().map(|disk| std::f64::consts::PI * disk.r * disk.r).sum()
+}
+
 /// Extent of the disks along a direction, m.
-fn extent(snapshot: &Snapshot, axis: DVec2) -> Option<f64> {
-    let disks = snapshot.positions.iter().zip(&snapshot.radii);
-    let spans = disks.map(|(x, r)| (x.dot(axis) - r, x.dot(axis) + r));
+fn extent(disks: &[StoredParticle], axis: DVec2) -> Option<f64> {
+    let along = |disk: &StoredParticle| place(disk).dot(axis);
+    let spans = disks.iter().map(|disk| (along(disk) - disk.r, along(disk) + disk.r));
     spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h))).map(|(low, high)| high - low)
 }
 
@@ -74,8 +83,12 @@ mod tests {
 
     use super::*;
 
-    fn of(snapshot: Snapshot, cell_area: Option<f64>) -> Option<f64> {
-        let prepared = Prepared { rows: Vec::new(), snapshot, cell_area };
+    fn disk(x: DVec2, r: f64) -> StoredParticle {
+        StoredParticle { x: x.x, y: x.y, r, material: None }
+    }
+
+    fn of(rows: Vec<StoredParticle>, cell_area: Option<f64>) -> Option<f64> {
+        let prepared = Prepared { rows, cell_area };
         let mut world = World::new();
         world.init_resource::<Measures>();
         let measure = move |measures: Res<Measures>, walls: Query<&Wall>| {
@@ -94,23 +107,21 @@ mod tests {
                 3.0_f64.sqrt() * f64::from(row),
             )
         };
-        let positions: Vec<_> =
-            (0..1600).map(place).filter(|x| x.distance(DVec2::splat(35.0)) < 25.3).collect();
-        let radii = vec![1.0; positions.len()];
-        let cut = Snapshot { positions, radii, ..Default::default() };
+        let inside = |x: &DVec2| x.distance(DVec2::splat(35.0)) < 25.3;
+        let cut: Vec<_> = (0..1600).map(place).filter(inside).map(|x| disk(x, 1.0)).collect();
         let expected = 1.0 - std::f64::consts::PI / 12.0_f64.sqrt();
         assert!((within(&cut).unwrap_or(f64::NAN) - expected).abs() < 1e-12);
-        assert_eq!(within(&Snapshot::default()), None);
+        assert_eq!(within(&[]), None);
     }
 
     #[test]
     fn one_disk_in_its_box_or_cell() {
-        let one = Snapshot { positions: vec![DVec2::ONE], radii: vec![0.5], ..Default::default() };
+        let one = vec![disk(DVec2::ONE, 0.5)];
         let quarter = 0.25 * std::f64::consts::PI;
         for (cell, area) in [(None, 1.0), (Some(4.0), 4.0)] {
             let found = of(one.clone(), cell).unwrap_or(f64::NAN);
             assert!((found - (1.0 - quarter / area)).abs() < 1e-15, "{found}");
         }
-        assert_eq!(of(Snapshot::default(), None), None);
+        assert_eq!(of(Vec::new(), None), None);
     }
 }

@@ -14,7 +14,6 @@ use clastic_systems::gather_bodies::gather_bodies;
 
 use super::found::{Found, Settled};
 use super::run_directory::RunDirectory;
-use super::snapshot::{Particles, Snapshot};
 use super::{OutputError, directory, frames, porosity};
 use crate::run::stages::{CurrentStage, Script};
 use crate::scene::StoredParticle;
@@ -35,26 +34,20 @@ pub struct PreparedSpecimen {
 pub struct Prepared {
     /// Rows of the stored specimen.
     pub rows: Vec<StoredParticle>,
-    /// The state.
-    pub snapshot: Snapshot,
     /// Area of the periodic cell, m^2.
     pub cell_area: Option<f64>,
 }
 
 impl Prepared {
     /// The specimen of a world whose tables are up to date.
-    pub(super) fn take(world: &mut World) -> Self {
-        let now = |particles: Particles, bodies: Res<BodyTable>, materials: Res<Materials>| {
-            Self::now(&particles, &bodies, &materials)
-        };
-        world.run_system_cached(now).unwrap_or_else(|error| panic!("{error}"))
+    pub(super) fn take(world: &World) -> Self {
+        Self::now(world.resource(), world.resource())
     }
 
     /// The specimen as it is now.
-    fn now(particles: &Particles, bodies: &BodyTable, materials: &Materials) -> Self {
+    fn now(bodies: &BodyTable, materials: &Materials) -> Self {
         Self {
             rows: frames::specimen_rows(bodies, materials),
-            snapshot: particles.snapshot(),
             cell_area: bodies.cell.as_ref().map(PeriodicCell::area),
         }
     }
@@ -78,13 +71,13 @@ pub(super) fn take_start(world: &mut World) {
 pub fn prepare(
     (script, progress, observation): (Res<Script>, Res<ClasticProgress>, Res<Observation>),
     (bodies, materials, measures): (Res<BodyTable>, Res<Materials>, Res<Measures>),
-    (particles, walls): (Particles, Query<&Wall>),
+    walls: Query<&Wall>,
     mut specimen: ResMut<PreparedSpecimen>,
     mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let is_reference = progress.stage >= script.reference_stage();
-    let now = || Prepared::now(&particles, &bodies, &materials);
+    let now = || Prepared::now(&bodies, &materials);
     if let Some(before) = &specimen.waiting
         && just_compacted(&script)
         && observation.motion_steps > 0
@@ -104,7 +97,7 @@ pub fn prepare(
         write(&mut run, &mut specimen, &prepared, moment)?;
         if !script.scene.stages.iter().any(Stage::pours) {
             found.porosity = if is_cut(&script) {
-                porosity::within(&prepared.snapshot)
+                porosity::within(&prepared.rows)
             } else {
                 porosity::porosity(&measures, &walls, &prepared)
             };

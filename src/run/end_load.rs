@@ -3,7 +3,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::LoadControl;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
 
 use super::membranes;
@@ -38,10 +38,7 @@ pub fn end(world: &mut World) {
             *to = reached(*from, *to);
         }
     }
-    let dt = match world.resource::<ClasticAnalysis>().kind {
-        AnalysisKind::Dynamic { dt, .. } => Some(dt),
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
-    };
+    let dt = world.resource::<ClasticAnalysis>().kind.dt();
     let mut walls = world.query::<(&mut WallControl, &WallTable)>();
     for (mut control, table) in walls.iter_mut(world) {
         let value = table.next(&progress, dt)[0].from;

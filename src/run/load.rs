@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::step_control::StepControl;
 
 use super::script::Script;
@@ -14,10 +14,8 @@ use crate::scene::format as scene;
 /// Sets up a loading stage.
 pub fn begin(world: &mut World, stage: &scene::Load) {
     let analysis = set_up(world, stage.analysis, stage.gravity, stage.increments);
-    let in_increments = |s: f64| match analysis.kind {
-        AnalysisKind::Dynamic { dt, .. } => s / dt,
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => s * f64::from(stage.increments),
-    };
+    let in_increments =
+        |s: f64| analysis.kind.dt().map_or_else(|| s * f64::from(stage.increments), |dt| s / dt);
     let course = stage.scale.loads.iter().flatten().map(|(s, share)| [in_increments(*s), *share]);
     world.resource_mut::<ClasticProgress>().course = course.collect();
     if let Some(accuracy) = stage.accuracy {

@@ -26,12 +26,10 @@ use super::scale::{is_scaled, scale};
 use super::script::{Script, StageEnd};
 pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
-use super::state::{
-    FIRST_WALL, FirstWall, INHERITED_WALLS, InheritedWalls, RIGID_AT_START, RigidAtStart, SCRIPT,
-    ScriptState,
-};
+use super::state::{RIGID_AT_START, RigidAtStart, SCRIPT, ScriptState, WALL_CATALOGUE};
 use super::stop::end_increment;
 use super::until::{APPROACH, Approach, forget_halted, is_halted, is_on, keep_state};
+use super::walls::WallCatalogue;
 use crate::scene::format::Stage;
 
 /// Whether a plugin drives walls with the control `Custom`. Without one the command line refuses
@@ -84,8 +82,7 @@ impl Plugin for ScenePlugin {
         let runs_scene = resource_exists::<Script>;
         app.register_component::<BodyId, Group>("group")
             .register_component::<BodyId, WallName>("wall_name")
-            .register_state::<FirstWall>(FIRST_WALL)
-            .register_state::<InheritedWalls>(INHERITED_WALLS)
+            .register_resource::<WallCatalogue>(WALL_CATALOGUE)
             // The script resolves the measures, which have these particles.
             .register_resource::<GroupMembers>(GROUP_MEMBERS)
             .register_state::<ScriptState>(SCRIPT)

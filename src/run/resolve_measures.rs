@@ -6,7 +6,7 @@ use glam::DVec2;
 use clastic_components::body::BodyId;
 use clastic_components::bond::RuptureMode;
 use clastic_components::measure::{
-    CrackSums, GrainAmount, NamedMeasures, Quantity, StrainPath, StrainReference,
+    CrackSums, NamedMeasures, Quantity, StrainPath, StrainReference,
 };
 use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, StrainMeasure, StressMeasure,
@@ -145,11 +145,7 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
                 corner.map_or(DVec2::splat(none), DVec2::from)
             };
             Quantity::Grains {
-                amount: match amount {
-                    scene::Amount::Number => GrainAmount::Number,
-                    scene::Amount::Mass => GrainAmount::Mass,
-                    scene::Amount::Share => GrainAmount::Share,
-                },
+                amount: *amount,
                 min: corner(*min, f64::NEG_INFINITY),
                 max: corner(*max, f64::INFINITY),
                 moved: *moved,

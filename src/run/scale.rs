@@ -2,7 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::WallTable;
 
 use super::script::Script;
@@ -26,10 +26,7 @@ pub(super) fn scale(
     mut analysis: ResMut<ClasticAnalysis>,
 ) {
     let Some(load) = scaled(&script, &progress) else { return };
-    let dt = match analysis.kind {
-        AnalysisKind::Dynamic { dt, .. } => Some(dt),
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
-    };
+    let dt = analysis.kind.dt();
     let factor = |points: &Option<Vec<(f64, f64)>>| {
         let Some(points) = points else { return 1.0 };
         let table = WallTable(points.iter().map(|(s, factor)| [*s, *factor, 0.0]).collect());

@@ -31,7 +31,7 @@ pub(super) fn from_saved(
     state: &StoredState,
     saved: &SavedState,
 ) {
-    insert_settings(world, scene, saved.counts.next.body);
+    insert_settings(world, scene, saved.next.body);
     if let Err(error) = restore(world, scene, state, saved) {
         world.insert_resource(ClasticHalted(format!("the saved state cannot be used: {error}")));
     }
@@ -132,7 +132,7 @@ fn walls(world: &mut World, scene: &Scene, state: &StoredState, saved: &SavedSta
     for wall in scene.walls.iter().filter(|wall| wall.present) {
         spawn_wall(world, &wall.name);
     }
-    let mut next = saved.counts.next;
+    let mut next = saved.next;
     next.body += scene.walls.iter().map(count).sum::<u32>();
     world.get_resource_or_init::<IdentityTable>().skip_to(next);
 }

@@ -27,16 +27,13 @@ use super::resolve_measures::resolve_measures;
 use super::script::{Collapse, Outcome, Script, StageEnd};
 use super::settings::insert_settings;
 use super::walls::WallCatalogue;
-use crate::scene::format::{Scene, Wall};
-use crate::scene::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
+use crate::scene::format::Scene;
+use crate::scene::{StoredParticle, StoredSpecimen, StoredState};
 
 /// Name of [`ScriptState`] in a state.
 pub const SCRIPT: &str = "script";
-/// Name of [`FirstWall`] in a state.
-pub const FIRST_WALL: &str = "walls.first";
-
-/// Name of [`InheritedWalls`] in a state.
-pub const INHERITED_WALLS: &str = "walls.catalogue";
+/// Name of the [`WallCatalogue`] in a state.
+pub const WALL_CATALOGUE: &str = "walls.catalogue";
 
 /// State of a [`Script`] apart from its scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -88,50 +85,6 @@ impl StateOf for ScriptState {
     }
 }
 
-/// Identity of the first wall of the scene: the number of particles when it was spawned.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct FirstWall(pub u32);
-
-impl StateOf for FirstWall {
-    fn take(world: &mut World) -> Option<Self> {
-        world.get_resource::<WallCatalogue>().map(|catalogue| Self(catalogue.first))
-    }
-
-    fn put(self, world: &mut World) {
-        world.get_resource_or_init::<WallCatalogue>().first = self.0;
-    }
-}
-
-/// The walls of a [`WallCatalogue`] that come from a saved state. Other walls follow from the
-/// scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct InheritedWalls {
-    /// As the scene of the state drew them.
-    #[serde(with = "in_ron")]
-    drawn: Vec<Wall>,
-    /// Where they were when the run began.
-    #[serde(with = "in_ron")]
-    at_start: Vec<Wall>,
-    /// The membranes that came with them.
-    membranes: Vec<StoredMembrane>,
-}
-
-impl StateOf for InheritedWalls {
-    fn take(world: &mut World) -> Option<Self> {
-        let catalogue = world.get_resource::<WallCatalogue>()?;
-        let at_start = catalogue.inherited.clone()?;
-        let membranes = catalogue.membranes.clone();
-        Some(Self { drawn: catalogue.walls.clone(), at_start, membranes })
-    }
-
-    fn put(self, world: &mut World) {
-        let mut catalogue = world.get_resource_or_init::<WallCatalogue>();
-        catalogue.walls = self.drawn;
-        catalogue.inherited = Some(self.at_start);
-        catalogue.membranes = self.membranes;
-    }
-}
-
 /// Name of [`RigidAtStart`] in a state.
 pub const RIGID_AT_START: &str = "rigid_group.at_start";
 
@@ -139,26 +92,6 @@ pub const RIGID_AT_START: &str = "rigid_group.at_start";
 /// whether they are still there or not. Its scene does not list them.
 #[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RigidAtStart(pub Vec<String>);
-
-/// Walls as texts of a scene. The encoding of a state has no names of fields, and could not leave
-/// out those that a wall does not have.
-mod in_ron {
-    use serde::de::{Deserialize, Deserializer, Error as _};
-    use serde::ser::{Error as _, Serialize, Serializer};
-
-    use crate::scene::format::Wall;
-
-    pub fn serialize<S: Serializer>(walls: &[Wall], serializer: S) -> Result<S::Ok, S::Error> {
-        let texts: Result<Vec<_>, _> = walls.iter().map(ron::to_string).collect();
-        texts.map_err(S::Error::custom)?.serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Wall>, D::Error> {
-        let texts = Vec::<String>::deserialize(deserializer)?;
-        let walls = texts.iter().map(|text| ron::from_str(text).map_err(D::Error::custom));
-        walls.collect()
-    }
-}
 
 fn undecided(script: &Script) -> bool {
     matches!(script.outcome, Some(Outcome::Undecided { .. }))
@@ -200,7 +133,7 @@ pub fn capture(world: &mut World) -> Result<WorldState, StateError> {
 /// Those of [`WorldState::restore`].
 pub fn restore(world: &mut World, scene: &Scene, state: &WorldState) -> Result<(), StateError> {
     expect_empty(world)?;
-    let FirstWall(first) = state.get(FIRST_WALL)?;
+    let WallCatalogue { first, .. } = state.get(WALL_CATALOGUE)?;
     insert_settings(world, scene, first);
     insert_script(world, scene);
     state.restore(world)?;
@@ -261,13 +194,13 @@ impl StateView {
             Some(StoredParticle { x: place.x, y: place.y, r: particle.radius, material })
         });
         // Walls follow the particles that the run had at its start.
-        let FirstWall(first) = state.get(FIRST_WALL)?;
+        let catalogue: WallCatalogue = state.get(WALL_CATALOGUE)?;
         let last = particles.last().map_or(0, |(id, _)| id.0 + 1);
         let specimen = StoredSpecimen {
             rows: rows.collect(),
-            indices: u64::from(first.max(last)),
+            indices: u64::from(catalogue.first.max(last)),
             groups: Vec::new(),
-            state: Some(stored_state(state)?),
+            state: Some(stored_state(state, catalogue)?),
         };
         let script: ScriptState = state.get(SCRIPT)?;
         Ok(Self {
@@ -290,17 +223,11 @@ impl StateView {
 }
 
 /// The part of a saved state that a run has taken over from it.
-fn stored_state(state: &WorldState) -> Result<StoredState, StateError> {
-    let taken = match state.bytes(INHERITED_WALLS) {
-        Some(_) => {
-            let walls: InheritedWalls = state.get(INHERITED_WALLS)?;
-            (walls.at_start, walls.membranes)
-        }
-        None => Default::default(),
-    };
+fn stored_state(state: &WorldState, walls: WallCatalogue) -> Result<StoredState, StateError> {
     let rigid = match state.bytes(RIGID_AT_START) {
         Some(_) => state.get::<RigidAtStart>(RIGID_AT_START)?.0,
         None => Vec::new(),
     };
+    let taken = (walls.inherited.unwrap_or_default(), walls.membranes);
     StoredState::of(state, taken, rigid, None)
 }

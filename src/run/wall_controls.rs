@@ -7,7 +7,7 @@ use glam::DVec2;
 use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition, LastMotion};
 use clastic_components::increment::ClasticAnalysis;
 use clastic_components::wall::{
-    LoadedLength, TableOf, Wall, WallControl, WallName, WallRotation, WallSlide, WallTable,
+    LoadedLength, TableOf, Wall, WallControl, WallName, WallRotation, WallTable,
 };
 use clastic_systems::control_walls::loaded_length;
 use clastic_systems::measures::stress::as_it_carried;
@@ -81,10 +81,7 @@ pub(super) fn set(world: &mut World, stage: &scene::Load) {
         entity.insert(control);
         match stage.walls.get(&name) {
             Some(scene::WallControl::Lid { slide, .. }) => {
-                entity.insert(match *slide {
-                    scene::Slide::Displacement(u) => WallSlide::Displacement(u),
-                    scene::Slide::Velocity(v) => WallSlide::Velocity(v),
-                });
+                entity.insert(*slide);
             }
             Some(scene::WallControl::Follow(table)) => {
                 entity.insert(points(table));

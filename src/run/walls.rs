@@ -1,6 +1,7 @@
 //! The walls of a scene: the catalogue, and the bodies in the world.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{BodyId, BodyOrigin, BodyPosition, Probe};
 use clastic_components::wall::WallName;
@@ -12,8 +13,9 @@ use super::wall_pieces::{count, pieces};
 use crate::scene::StoredMembrane;
 use crate::scene::format as scene;
 
-/// The walls of a scene, for stages that bring them in, with the identity of the first one.
-#[derive(Resource, Clone, Debug, Default)]
+/// The walls of a scene, for stages that bring them in, with the identity of the first one. It is
+/// part of the state of a run: walls of a saved state do not follow from the scene.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct WallCatalogue {
     /// Identity of the first wall: the number of particles.
     pub first: u32,

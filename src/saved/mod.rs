@@ -1,64 +1,43 @@
-//! Saved states: bodies, bonds and forces at one moment, as documented arrays in a `.npz` file from
-//! which another scene starts. See `docs/outputs.md` for the arrays.
+//! Saved states: bodies, bonds and forces at one moment, in a `.npz` file from which another scene
+//! starts. See `docs/outputs.md` for its arrays.
 //!
 //! A saved state is the state of a world ([`WorldState`]) without the place of the run in its
-//! stages. Everything that later increments depend on is in it to the bit: a run in two pieces
-//! leaves the same rows as a run in one. State that other plugins register travels as the bytes
-//! that they encode, in arrays named `plugin.NAME`.
+//! stages. Everything that later increments depend on is in it to the bit, state that other plugins
+//! register included: a run in two pieces leaves the same rows as a run in one. The file has it as
+//! it is encoded, in the array `state`, which alone is read. The other arrays are for numpy.
 
-mod bonds;
-pub(crate) mod cell;
-mod columns;
-mod contacts;
-mod controls;
-mod groups;
-mod membranes;
-mod particles;
-mod progress;
-mod wall_controls;
-mod wall_laws;
-mod walls;
+mod arrays;
+mod of_scene;
+mod settle;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
-use clastic_components::increment::ClasticAnalysis;
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::material::Materials;
+use clastic_components::wall::Wall as WallLine;
 use clastic_systems::gather_bodies::gather_bodies;
+use clastic_systems::identities::{NEXT_IDENTITIES, NextIdentities};
+use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
 
 use crate::run::state::capture;
 use crate::run::walls::WallCatalogue;
-use crate::scene::StoredMembrane;
 use crate::scene::format::Wall;
 use crate::tables::{Array, TableError, Tables};
-use columns::{bad, single};
-
-pub use progress::Counts;
 
 /// First word of the array `format`.
 const FORMAT: &str = "clastic state";
 /// Version of the format, which follows the word. It increases when arrays have changed since a
-/// release.
+/// release, or types that plugins register as state.
 const VERSION: u32 = 1;
-/// Prefix of arrays with the state of other plugins.
-const PLUGIN: &str = "plugin.";
-
-/// Entries of a [`WorldState`] that a saved state has as arrays.
-const AS_ARRAYS: [&[&str]; 8] = [
-    &particles::ENTRIES,
-    &walls::ENTRIES,
-    &groups::ENTRIES,
-    &bonds::ENTRIES,
-    &contacts::ENTRIES,
-    &membranes::ENTRIES,
-    &cell::ENTRIES,
-    &progress::ENTRIES,
-];
+/// Array with the encoded state.
+const STATE: &str = "state";
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and tables that the next increment makes anew.
-const OF_THE_SCENE: [&str; 20] = [
+const OF_THE_SCENE: [&str; 19] = [
     "analysis",
     "key_results",
     "materials.names",
@@ -78,7 +57,6 @@ const OF_THE_SCENE: [&str; 20] = [
     "script",
     "until",
     "walls.catalogue",
-    "walls.first",
 ];
 
 /// Why a state cannot be saved or used.
@@ -102,7 +80,7 @@ pub enum SavedError {
 }
 
 /// A state that was saved.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SavedState {
     /// State of the world; indices of materials count [`materials`](Self::materials).
     pub world: WorldState,
@@ -114,8 +92,8 @@ pub struct SavedState {
     pub walls: Vec<Wall>,
     /// Identity of the first of these walls.
     pub first_wall: u32,
-    /// What counts from the start of the first run.
-    pub counts: Counts,
+    /// Identities of the next body and bond.
+    pub next: NextIdentities,
 }
 
 /// A state as arrays. After an undecided increment it is the state before that increment; a load on
@@ -124,39 +102,48 @@ pub struct SavedState {
 /// # Errors
 /// If a part of the world cannot be encoded.
 pub fn save(world: &mut World) -> Result<Tables, SavedError> {
-    let state = capture(world)?;
-    // Gathering the tables does not change the run.
-    let _ = world.run_system_cached(gather_bodies);
+    let mut state = capture(world)?;
+    let progress: ClasticProgress = state.get(PROGRESS)?;
+    settle::settle(&mut state, &progress)?;
+    state.retain(|name| !OF_THE_SCENE.contains(&name));
+    let next: NextIdentities = state.get(NEXT_IDENTITIES)?;
+    let thickness = world.resource::<ClasticAnalysis>().thickness;
+    let materials = world.resource::<Materials>().0.iter();
+    let materials: Vec<_> = materials.map(|m| (m.name.clone(), m.density)).collect();
+    let catalogue = world.get_resource::<WallCatalogue>().cloned().unwrap_or_default();
+    let lines = state.components::<BodyId, WallLine>("wall")?;
+    let is_there = |id| lines.binary_search_by_key(&BodyId(id), |(id, _)| *id).is_ok();
+    let first_wall = if catalogue.walls.is_empty() { next.body } else { catalogue.first };
+    let mut walls = catalogue.walls.clone();
+    for (k, wall) in walls.iter_mut().enumerate() {
+        wall.present = is_there(catalogue.first_of(k));
+    }
+
     let mut tables = Tables::default();
     tables.put("format", Array::word(&format!("{FORMAT} {VERSION}")));
-    let thickness = world.resource::<ClasticAnalysis>().thickness;
-    progress::write(&state, thickness, &mut tables)?;
-    let materials = world.resource::<Materials>();
-    tables.put("materials.name", Array::text(materials.0.iter().map(|m| m.name.clone())));
-    let densities = materials.0.iter().map(|m| m.density).collect();
-    tables.put("materials.density_kg_m3", Array::f64(densities));
-    particles::write(&state, &mut tables)?;
-    let catalogue = world.get_resource::<WallCatalogue>().cloned().unwrap_or_default();
-    walls::write(&state, &catalogue, &mut tables)?;
-    groups::write(&state, &mut tables)?;
-    bonds::write(&state, &mut tables)?;
-    contacts::write(&state, world, &mut tables)?;
-    membranes::write(&state, &mut tables)?;
-    cell::write(&state, &mut tables)?;
-    for name in state.names() {
-        let known = AS_ARRAYS.iter().any(|entries| entries.contains(&name));
-        if let Some(bytes) = state.bytes(name).filter(|_| !known && !OF_THE_SCENE.contains(&name)) {
-            tables.put(&format!("{PLUGIN}{name}"), Array::u8(bytes.to_vec()));
-        }
-    }
+    tables.put("increment", Array::count(progress.increment));
+    tables.put("time_s", Array::value(progress.time));
+    tables.put("stage", Array::word(&progress.stage_name));
+    tables.put("thickness_m", Array::value(thickness));
+    tables.put("materials.name", Array::text(materials.iter().map(|(name, _)| name.clone())));
+    // Gathering the tables does not change the run.
+    let _ = world.run_system_cached(gather_bodies);
+    let _ = world.run_system_cached_with(arrays::write, &mut tables);
+    let saved = SavedState { world: state, materials, thickness, walls, first_wall, next };
+    let bytes = postcard::to_stdvec(&saved).map_err(|error| encoding(&error))?;
+    tables.put(STATE, Array::u8(bytes));
     Ok(tables)
 }
 
+fn encoding(error: &postcard::Error) -> TableError {
+    TableError::at(STATE, error.to_string())
+}
+
 impl SavedState {
-    /// Reads a state from its arrays, and checks that they belong together.
+    /// Reads a state from its arrays.
     ///
     /// # Errors
-    /// If they are no state, or of another version, or contradict each other.
+    /// If they are no state, or of another version, or damaged.
     pub fn read(tables: &Tables) -> Result<Self, SavedError> {
         let format = match tables.text("format", &[]) {
             Ok(format) => format[0].as_str(),
@@ -174,65 +161,7 @@ impl SavedState {
             }
             Some(_) => {}
         }
-        let mut world = WorldState::default();
-        let names = tables.text("materials.name", &[tables.rows("materials.name")?])?;
-        let densities = tables.f64("materials.density_kg_m3", &[names.len()])?;
-        let materials: Vec<_> = names.iter().cloned().zip(densities.iter().copied()).collect();
-        let counts = progress::read(tables, &mut world)?;
-        let ids = particles::read(tables, names.len(), &mut world)?;
-        let walls = walls::read(tables, counts.next.body, &ids, &mut world)?;
-        groups::read(tables, &ids, &walls.ids, &mut world)?;
-        let mut bodies = ids;
-        bodies.extend(&walls.ids);
-        bonds::read(tables, &bodies, counts.next.bond, &mut world)?;
-        contacts::read(tables, &mut world)?;
-        membranes::read(tables, &walls.ids, &mut world)?;
-        cell::read(tables, !walls.ids.is_empty(), &mut world)?;
-        for (name, array) in tables.iter() {
-            if let Some(entry) = name.strip_prefix(PLUGIN) {
-                let bytes = tables.u8(name, &array.shape)?;
-                world.set_bytes(entry, bytes.to_vec());
-            }
-        }
-        let thickness = single(tables, "thickness_m")?;
-        if !(thickness > 0.0) {
-            return Err(bad("thickness_m", format!("{thickness:?}, which is no thickness")));
-        }
-        let (first_wall, walls) = (walls.first, walls.listed);
-        Ok(Self { world, materials, thickness, walls, first_wall, counts })
-    }
-
-    /// The membranes, with the names of their walls.
-    ///
-    /// # Errors
-    /// If the entry of the world is of another type.
-    pub fn membranes(&self) -> Result<Vec<StoredMembrane>, StateError> {
-        membranes::names(&self.world, self.first_wall, &self.walls)
-    }
-
-    /// Names of the rigid groups, in the order of identities.
-    ///
-    /// # Errors
-    /// If the world does not have them.
-    pub fn rigid_groups(&self) -> Result<Vec<String>, StateError> {
-        groups::names(&self.world)
-    }
-
-    /// Names of the rigid groups that have walls.
-    ///
-    /// # Errors
-    /// If the world does not have them.
-    pub fn groups_with_walls(&self) -> Result<Vec<String>, StateError> {
-        let walls = self.world.components::<BodyId, clastic_components::wall::Wall>("wall")?;
-        let ids: Vec<BodyId> = walls.into_iter().map(|(id, _)| id).collect();
-        groups::with(&self.world, &ids)
-    }
-
-    /// The walls of the scene where they are now. Those that are not there are as it drew them.
-    ///
-    /// # Errors
-    /// If the world does not have them.
-    pub fn walls_now(&self) -> Result<Vec<Wall>, StateError> {
-        walls::now(&self.world, self.first_wall, &self.walls)
+        let bytes = tables.u8(STATE, &[tables.rows(STATE)?])?;
+        Ok(postcard::from_bytes(bytes).map_err(|error| encoding(&error))?)
     }
 }

@@ -7,13 +7,15 @@ use std::sync::Arc;
 use glam::DVec2;
 
 use clastic_components::body::{BodyId, BodyPosition, Group, Probe};
+use clastic_components::cell::PeriodicCell;
 use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_systems::gather_bodies::PERIODIC_CELL;
 use clastic_systems::state::{StateError, WorldState};
 
 use super::files::read_at_most;
 use super::format::{Cell, Scene, Specimen, Wall};
 use super::stored::{ReadError, StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
-use crate::saved::{SavedError, SavedState, cell};
+use crate::saved::{SavedError, SavedState};
 use crate::tables::Tables;
 
 /// Maximum size of the file, bytes.
@@ -68,8 +70,13 @@ impl StoredState {
             walls,
             gives_walls: false,
             membranes,
-            cell: cell::of(world)?
-                .map(|cell| Cell { size: (cell.width, cell.height), tilt: cell.tilt }),
+            cell: match world.bytes(PERIODIC_CELL) {
+                Some(_) => {
+                    let cell: PeriodicCell = world.get(PERIODIC_CELL)?;
+                    Some(Cell { size: (cell.width, cell.height), tilt: cell.tilt })
+                }
+                None => None,
+            },
             gives_cell: false,
             rigid,
             groups: groups.into_iter().collect(),

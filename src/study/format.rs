@@ -35,13 +35,11 @@ pub struct Study {
     pub title: String,
     /// The scene: a file relative to that of the study, or the name of a scene that
     /// `clastic list` shows. Either this or `scenes`.
-    #[serde(default)]
     pub scene: Option<PathBuf>,
     /// Several scenes, each with a name. The name [`SCENE`] of a run says which one it has.
     #[serde(default)]
     pub scenes: Ordered<PathBuf>,
     /// The run whose saved state is the specimen of the runs.
-    #[serde(default)]
     pub prepare: Option<Preparation>,
     /// Settings that all runs have, `PATH=VALUE` as after `--set`.
     #[serde(default)]
@@ -68,7 +66,6 @@ pub struct Preparation {
     /// The scene, as that of a study.
     pub scene: PathBuf,
     /// Name of the stage `Save` that keeps the state; without it the state at the end.
-    #[serde(default)]
     pub state: Option<String>,
     /// Settings that every preparation has.
     #[serde(default)]

@@ -14,7 +14,6 @@ pub mod means;
 mod ordered;
 pub mod plan;
 pub mod planned;
-pub mod strength;
 pub mod table;
 
 pub use format::{Study, StudyError};

@@ -119,13 +119,6 @@ impl Array {
         Self { shape: vec![values.len() / N, N], data: Data::F64(values) }
     }
 
-    /// A table with `N` truth values a row.
-    #[must_use]
-    pub fn flags<const N: usize>(rows: impl IntoIterator<Item = [bool; N]>) -> Self {
-        let values: Vec<bool> = rows.into_iter().flatten().collect();
-        Self { shape: vec![values.len() / N, N], data: Data::Bool(values) }
-    }
-
     /// A single number.
     #[must_use]
     pub fn value(value: f64) -> Self {

@@ -149,12 +149,15 @@ fn no_recipe_of_the_docs_writes_into_the_scenes() {
     assert!(commands > 0, "{commands} lines name a scene: are blocks still indented?");
 }
 
-/// `clastic stability` is in the package for Python alone.
+/// `clastic envelope` and `clastic stability` are in the package for Python alone.
 #[test]
 fn a_command_of_the_package_for_python_says_where_it_is() {
-    for arguments in
-        [&["stability"][..], &["stability", "--help"], &["stability", "slope", "--on", "gravity"]]
-    {
+    for arguments in [
+        &["stability"][..],
+        &["stability", "--help"],
+        &["stability", "slope", "--on", "gravity"],
+        &["envelope", "biaxial_small", "--confining", "1e5,2e5"],
+    ] {
         let said = stderr(&clastic(arguments).code(2));
         assert!(said.contains("pip install './python[all]'"), "{said}");
     }

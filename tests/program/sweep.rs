@@ -127,33 +127,6 @@ fn a_mistake_is_told_before_anything_runs() {
     }
 }
 
-/// The cement of the scene has a cohesion of 50 kPa and a friction of 0.5 (26.6 degrees); contacts
-/// that rearrange add to both.
-#[test]
-fn the_envelope_of_a_cemented_sand_is_near_that_of_its_bonds() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().to_str().unwrap();
-    let mut arguments =
-        vec!["envelope", "biaxial_small", "--confining", "50e3,100e3,200e3", "--out", out];
-    let fields = ["left", "right", "bottom", "top"]
-        .map(|wall| format!("stages.confine.walls.{wall}.stress"));
-    for field in &fields {
-        arguments.extend(["--field", field]);
-    }
-    arguments.extend(["--set", "stages.load.stop=[Above(\"axial_strain\", 0.02)]"]);
-    let said = stdout(&clastic(&arguments).code(0));
-    let value = |name: &str| -> f64 {
-        let line = said.lines().find(|line| line.trim_start().starts_with(name)).unwrap();
-        line.split_whitespace().nth(1).unwrap().parse().unwrap()
-    };
-    let (c, phi) = (value("c "), value("phi "));
-    assert!((0.03..0.08).contains(&c), "{said}");
-    assert!((25.0..36.0).contains(&phi), "{said}");
-    assert!(said.contains("the envelopes include 3 runs with marks"), "{said}");
-    let peaks = fs::read_to_string(folder.path().join("envelope.csv")).unwrap();
-    assert_eq!(peaks.lines().count(), 4);
-}
-
 /// Each of its runs is read and checked.
 #[test]
 fn the_shipped_study_is_sound() {
@@ -339,34 +312,5 @@ fn a_mistake_in_a_preparation_is_told_before_anything_runs() {
         let said = String::from_utf8_lossy(&out.stderr).into_owned();
         assert!(said.contains(told), "{to}: {said}");
         assert!(!folder.path().join("out").exists(), "{to}");
-    }
-}
-
-/// Packings that jam have no peaks: the command told of "0 peaks from inf to -inf MPa".
-#[test]
-fn an_envelope_of_runs_without_a_peak_is_none() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().to_str().unwrap();
-    let rig = concat!(env!("CARGO_MANIFEST_DIR"), "/rigs/biaxial.ron");
-    let arguments = [
-        &["envelope", rig, "--confining", "50e3,100e3", "--out", out][..],
-        &["--set", "stages.compact.target=Porosity(0.12)"],
-    ]
-    .concat();
-    let said = stdout(&clastic(&arguments).failure());
-    assert!(said.contains("no run has a peak"), "{said}");
-    assert!(!said.contains("inf"), "{said}");
-}
-
-#[test]
-fn an_envelope_says_what_it_needs() {
-    for (arguments, told) in [
-        (vec!["--confining", "1e5"], "two confining stresses"),
-        (vec!["--confining", "1e5,2e5", "--seeds", "1,x"], "write whole numbers"),
-        (vec!["--confining", "1e5,2e5"], "--field"),
-    ] {
-        let arguments = [vec!["envelope", "biaxial_small"], arguments].concat();
-        let said = stderr(&clastic(&arguments).failure());
-        assert!(said.contains(told), "{said}");
     }
 }

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..results import Run
+from ..strengths import mohr_coulomb
 from .style import legend_below, new_axes, prefix, style
 
 if TYPE_CHECKING:
@@ -215,8 +216,6 @@ def mohr(*runs: Run, ax: Axes | None = None) -> Axes:
     ValueError
         If sigma_1 rises less than sigma_3, to which no friction angle belongs.
     """
-    from .. import _engine
-
     _runs(runs)
     strengths = [run.peak_stresses() for run in runs]
     unit, size = prefix(max(peak for _, peak in strengths), "Pa")
@@ -235,7 +234,7 @@ def mohr(*runs: Run, ax: Axes | None = None) -> Axes:
         high = max(p / size for _, p in strengths)
         ax.set_xlim(low, 1.04 * high)
         if np.ptp([confining for confining, _ in strengths]) > SAME * max(peak for _, peak in strengths):
-            cohesion, phi = _engine.mohr_coulomb(strengths)
+            cohesion, phi = mohr_coulomb(strengths)
             x = np.array([low, high])
             c_unit, c_size = prefix(cohesion, "Pa")
             ax.plot(

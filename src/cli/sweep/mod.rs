@@ -1,7 +1,7 @@
 //! `clastic sweep`: makes the runs of a study, several at once, and collects their results.
 
-pub(crate) mod collect;
-pub(crate) mod jobs;
+mod collect;
+mod jobs;
 mod show;
 mod slurm;
 mod task;

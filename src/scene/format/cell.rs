@@ -19,20 +19,15 @@ pub struct Cell {
 #[serde(deny_unknown_fields)]
 pub struct CellControl {
     /// Width, or sigma_xx.
-    #[serde(default)]
     pub xx: Option<CellTarget>,
     /// Height, or sigma_yy.
-    #[serde(default)]
     pub yy: Option<CellTarget>,
     /// Mean of xx and yy in their place: strain (xx + yy)/2, or mean stress. Width and height
     /// strain alike but for `difference`.
-    #[serde(default)]
     pub mean: Option<CellTarget>,
     /// Difference, yy less xx, of the strains or of the stresses; fixed if left out.
-    #[serde(default)]
     pub difference: Option<CellTarget>,
     /// Shear: the top moves along x over the bottom; or the traction along x on the top.
-    #[serde(default)]
     pub shear: Option<CellTarget>,
 }
 

@@ -12,15 +12,15 @@ pub struct Compact {
     pub name: String,
     /// The wall that moves, along its inward normal. A periodic cell has none: it shrinks along both
     /// of its vectors.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
+    #[serde(default)]
     pub wall: String,
     /// The fixed wall opposite, which is the reference of the height.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
+    #[serde(default)]
     pub base: String,
     /// Target that ends the compaction.
     pub target: CompactTarget,
     /// What moves.
-    #[serde(default, skip_serializing_if = "CompactBy::is_default")]
+    #[serde(default)]
     pub by: CompactBy,
     /// Maximum motion of the wall, change of the width or height of a cell, or growth of the
     /// largest radius, in an increment, m.
@@ -36,7 +36,7 @@ pub struct Compact {
     #[serde(default)]
     pub seed: u64,
     /// Conditions on measures that end the stage before its target.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub stop: Vec<Stop>,
     /// Recording.
     #[serde(default)]
@@ -62,12 +62,6 @@ pub enum CompactBy {
     Boundary,
     /// All radii grow by the same factor, while walls and cell stand still (radius expansion).
     Radii,
-}
-
-impl CompactBy {
-    fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
 }
 
 /// Reference motion of a compaction.

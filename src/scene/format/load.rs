@@ -17,14 +17,11 @@ use crate::scene::unique_keys;
 #[serde(deny_unknown_fields)]
 pub struct Scale {
     /// Factor on the gravity of the stage.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub gravity: Option<Vec<(f64, f64)>>,
     /// Factor on cohesion, tensile strength and friction of all contacts and bonds.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<Vec<(f64, f64)>>,
     /// Factor f of all loads that the stage brings to a target: each is at
     /// `last + f (target - last)`. Without points f is the part of the increments that is done.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub loads: Option<Vec<(f64, f64)>>,
 }
 
@@ -45,13 +42,11 @@ pub struct Load {
     /// Number of increments.
     pub increments: u32,
     /// Analysis of this stage; that of the scene if left out.
-    #[serde(default)]
     pub analysis: Option<Analysis>,
     /// Gravity of this stage, m/s^2; that of the scene if left out.
-    #[serde(default)]
     pub gravity: Option<(f64, f64)>,
     /// Factors on gravity and strength over the stage.
-    #[serde(default, skip_serializing_if = "Scale::is_default")]
+    #[serde(default)]
     pub scale: Scale,
     /// Control of walls by name. A wall without an entry keeps its load if it is loaded, and
     /// otherwise stays where it is.
@@ -69,32 +64,22 @@ pub struct Load {
     /// Rigid groups by name. An entry with `select` makes a group, an entry without it controls a
     /// group that exists. A group without an entry keeps its loads, and stands still along the
     /// degrees of freedom that were held or driven.
-    #[serde(
-        default,
-        deserialize_with = "unique_keys::deserialize",
-        skip_serializing_if = "BTreeMap::is_empty"
-    )]
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub rigid: BTreeMap<String, RigidControl>,
     /// Rigid groups that end at the start: their members move on their own.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub release: Vec<String>,
     /// Flexible membranes by name. The first entry of a name makes a membrane, later ones change its
     /// pressure. A membrane without an entry keeps its pressure.
-    #[serde(
-        default,
-        deserialize_with = "unique_keys::deserialize",
-        skip_serializing_if = "BTreeMap::is_empty"
-    )]
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub membranes: BTreeMap<String, MembraneControl>,
     /// Membranes that are removed at the start.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub remove_membranes: Vec<String>,
     /// Control of the periodic cell, boxed since few stages have one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<Box<CellControl>>,
     /// Error of the mean stress at which the increments aim, over the stress; without it they are
     /// those that the stage asks for.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub accuracy: Option<f64>,
     /// Conditions that end the stage early.
     #[serde(default)]

@@ -15,7 +15,6 @@ pub struct Material {
     #[serde(default)]
     pub contact: Contact,
     /// Bonds between particles of this material.
-    #[serde(default)]
     pub bond: Option<Bond>,
 }
 
@@ -32,7 +31,6 @@ pub struct Contact {
     /// Tangential stiffness k_T, N/m; rigid if left out.
     pub tangential_stiffness: Option<f64>,
     /// Rolling stiffness k_R, N m/rad; rigid if left out.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub rolling_stiffness: Option<f64>,
     /// Coefficient of friction.
     pub friction: f64,
@@ -47,13 +45,10 @@ pub struct Contact {
 #[serde(deny_unknown_fields)]
 pub struct Bond {
     /// Normal stiffness k_N, N/m; that of the contact if left out.
-    #[serde(default)]
     pub normal_stiffness: Option<f64>,
     /// Tangential stiffness k_T, N/m; that of the contact if left out.
-    #[serde(default)]
     pub tangential_stiffness: Option<f64>,
     /// Rolling stiffness k_R, N m/rad; that of the contact if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rolling_stiffness: Option<f64>,
     /// Internal friction coefficient.
     #[serde(default)]
@@ -67,6 +62,5 @@ pub struct Bond {
     /// Tensile strength sigma_t, Pa.
     pub tensile_strength: f64,
     /// Scatter of strengths and stiffnesses about these values.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<Scatter>,
 }

@@ -12,13 +12,10 @@ pub struct MembraneControl {
     pub pressure: f64,
     /// The two walls between which it lies; closed around the specimen if left out. Only where it
     /// is made.
-    #[serde(default)]
     pub between: Option<(String, String)>,
     /// Sides of the way from the first of these walls to the second; both if left out.
-    #[serde(default)]
     pub sides: Option<Sides>,
     /// Radius of the ball that finds the outermost grains, m; the maximum radius of the particles
     /// if left out. Only where the membrane is made.
-    #[serde(default)]
     pub ball: Option<f64>,
 }

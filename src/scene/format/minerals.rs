@@ -14,7 +14,6 @@ pub struct Mineral {
     #[serde(default = "all")]
     pub select: Select,
     /// Only in clusters; all selected particles if left out.
-    #[serde(default)]
     pub clusters: Option<Clusters>,
 }
 

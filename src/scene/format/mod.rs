@@ -1,8 +1,8 @@
 //! The scene format: types of a RON scene.
 //!
 //! Units are SI throughout: m, s, kg, N, Pa, rad. Compression, contraction and anticlockwise
-//! rotation are positive. `some(x)` may be written as plain `x`; newtype variants need no second
-//! pair of parentheses. Unknown fields are errors.
+//! rotation are positive. `some(x)` may be written as plain `x`, and `None` left out; newtype
+//! variants need no second pair of parentheses. Unknown fields are errors.
 
 mod analysis;
 mod cell;
@@ -36,10 +36,11 @@ pub use clastic_components::increment::{
 };
 pub use clastic_components::measure::{
     CrackPart as Cracks, FabricComponent, ForceComponent as Along, FragmentPart as Fragments,
-    MembraneValue, Network, RingValue,
+    GrainAmount as Amount, MembraneValue, Network, RingValue,
 };
 pub use clastic_components::membrane::Sides;
 pub use clastic_components::observation::{StrainComponent, StressComponent as Component};
+pub use clastic_components::wall::WallSlide as Slide;
 
 use super::unique_keys;
 
@@ -55,7 +56,7 @@ pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
-pub use quantities::{Amount, Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
+pub use quantities::{Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
 pub(super) use repeat::MAX_STAGES;
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};
@@ -63,7 +64,7 @@ pub use solver::Solver;
 pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
 pub use stages::{CustomStage, Remove, Save, Stage};
 pub use stop::Stop;
-pub use walls::{LidLoad, Slide, Table, Wall, WallControl, WallShape};
+pub use walls::{LidLoad, Table, Wall, WallControl, WallShape};
 
 /// Version of the format.
 pub const VERSION: u32 = 1;
@@ -78,12 +79,7 @@ pub struct Scene {
     pub title: String,
     /// Values with names, which stand for numbers of the scene. The text has their values in place
     /// of the names before it is read.
-    #[serde(
-        default,
-        rename = "let",
-        deserialize_with = "unique_keys::deserialize",
-        skip_serializing_if = "BTreeMap::is_empty"
-    )]
+    #[serde(default, rename = "let", deserialize_with = "unique_keys::deserialize")]
     pub values: BTreeMap<String, f64>,
     /// Out-of-plane thickness h, m.
     #[serde(default = "one")]
@@ -113,10 +109,9 @@ pub struct Scene {
     pub specimen: Specimen,
     /// Layers and minerals: materials of particles of the specimen, where several select one the
     /// last.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    #[serde(default)]
     pub minerals: Vec<Mineral>,
     /// Particles of the specimen that the run has; all if left out. Indices count these.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub keep: Option<Select>,
     /// Bonds at the start, free of stress. Cementing stages add more.
     #[serde(default)]
@@ -126,14 +121,9 @@ pub struct Scene {
     #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub probes: BTreeMap<String, u32>,
     /// Named groups of particles, for selections.
-    #[serde(
-        default,
-        deserialize_with = "unique_keys::deserialize",
-        skip_serializing_if = "BTreeMap::is_empty"
-    )]
+    #[serde(default, deserialize_with = "unique_keys::deserialize")]
     pub groups: BTreeMap<String, Select>,
     /// Periodic cell of the specimen, instead of walls.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cell: Option<Cell>,
     /// Walls.
     #[serde(default)]
@@ -146,7 +136,6 @@ pub struct Scene {
     #[serde(deserialize_with = "repeat::deserialize")]
     pub stages: Vec<Stage>,
     /// Stage at whose start strains are zero; the last stage if left out.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reference_stage: Option<String>,
     /// Definitions of strain and stress, and further measures.
     #[serde(default)]

@@ -21,16 +21,12 @@ pub struct ParticleControl {
     pub rotation: Motion,
     /// Displacement gradient ((ux_x, ux_y), (uy_x, uy_y)) in every increment, about the origin, of
     /// positions at the start of the stage. It imposes the motion along x and y.
-    #[serde(default)]
     pub affine: Option<((f64, f64), (f64, f64))>,
     /// Force (x, y) at the end of the stage, N. It varies linearly from its value at the start.
-    #[serde(default)]
     pub force: Option<(f64, f64)>,
     /// Moment at the end of the stage, N m. It varies linearly from its value at the start.
-    #[serde(default)]
     pub moment: Option<f64>,
     /// Share of the force and the moment at the start of the stage that is left at its end, 0 to 1.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub remains: Option<f64>,
 }
 

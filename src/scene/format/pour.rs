@@ -143,19 +143,15 @@ as_written! {
         rate: Rate,
         sizes: Sizes,
         seed: u64,
-        #[serde(default)]
         material: Option<String>,
         #[serde(default, deserialize_with = "unique_keys::deserialize")]
         minerals: BTreeMap<String, f64>,
         #[serde(default)]
         velocity: (f64, f64),
-        #[serde(default)]
         group: Option<String>,
     }
     load {
-        #[serde(default)]
         analysis: Option<Analysis>,
-        #[serde(default)]
         gravity: Option<(f64, f64)>,
         #[serde(default, deserialize_with = "unique_keys::deserialize")]
         walls: BTreeMap<String, WallControl>,

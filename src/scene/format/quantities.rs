@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Along, CellStrain, Component, Cracks, FabricComponent, Fragments, MembraneValue, Network,
-    RingValue, Select, StrainComponent,
+    Along, Amount, CellStrain, Component, Cracks, FabricComponent, Fragments, MembraneValue,
+    Network, RingValue, Select, StrainComponent,
 };
 
 /// What is measured.
@@ -86,10 +86,8 @@ pub enum Quantity {
         /// How they are counted.
         amount: Amount,
         /// Lower left corner, m; without it the rectangle has no end there.
-        #[serde(default)]
         min: Option<(f64, f64)>,
         /// Upper right corner, m.
-        #[serde(default)]
         max: Option<(f64, f64)>,
         /// Displacement since the start of the reference stage, m, from which on a grain counts; 0
         /// counts all.
@@ -120,17 +118,6 @@ pub enum Quantity {
     Time,
     /// The value that a plugin provides under this name.
     Custom(String),
-}
-
-/// How grains are counted.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum Amount {
-    /// Their number.
-    Number,
-    /// Their mass, kg.
-    Mass,
-    /// Their share of the mass of all grains.
-    Share,
 }
 
 /// Modes in which bonds break.

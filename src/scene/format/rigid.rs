@@ -9,14 +9,12 @@ use super::{Motion, Select};
 #[serde(deny_unknown_fields)]
 pub struct RigidControl {
     /// The members, chosen at the start of the stage; left out for a group that exists.
-    #[serde(default)]
     pub select: Option<Select>,
     /// Names of walls that are members.
     #[serde(default)]
     pub walls: Vec<String>,
     /// Pivot (x, y) at the start of the stage, m, which moves with the group; the centre of mass if
     /// left out, which a group with walls may not do.
-    #[serde(default)]
     pub about: Option<(f64, f64)>,
     /// Motion of the centre along x.
     #[serde(default)]
@@ -29,13 +27,10 @@ pub struct RigidControl {
     pub rotation: Motion,
     /// Force (x, y) on the centre at the end of the stage, N. It varies linearly from its value at
     /// the start.
-    #[serde(default)]
     pub force: Option<(f64, f64)>,
     /// Moment about the centre at the end of the stage, N m. It varies linearly.
-    #[serde(default)]
     pub moment: Option<f64>,
     /// Stress on a length at the end of the stage, a force on the centre. It varies linearly.
-    #[serde(default)]
     pub stress: Option<Traction>,
 }
 

@@ -11,22 +11,16 @@ pub struct Scatter {
     /// Seed of the draws.
     pub seed: u64,
     /// One factor for cohesion and tensile strength.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub strength: Option<Spread>,
     /// One factor for normal and tangential stiffness.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stiffness: Option<Spread>,
     /// Factor of the cohesion alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cohesion: Option<Spread>,
     /// Factor of the tensile strength alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tensile_strength: Option<Spread>,
     /// Factor of the normal stiffness alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub normal_stiffness: Option<Spread>,
     /// Factor of the tangential stiffness alone.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tangential_stiffness: Option<Spread>,
 }
 

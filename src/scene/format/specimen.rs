@@ -24,7 +24,6 @@ pub enum Specimen {
         #[serde(default)]
         origin: (f64, f64),
         /// Material; optional if the scene has only one.
-        #[serde(default)]
         material: Option<String>,
     },
     /// Random disks on a loose square grid, one at a random position in each cell. A `Compact`
@@ -44,7 +43,6 @@ pub enum Specimen {
         /// Seed of sizes and positions.
         seed: u64,
         /// Material; optional if the scene has only one.
-        #[serde(default)]
         material: Option<String>,
     },
     /// A stored specimen: CSV with the columns x_m, y_m, radius_m (and optionally material).
@@ -52,7 +50,6 @@ pub enum Specimen {
         /// Path, relative to the scene file.
         path: String,
         /// Material of rows that name none.
-        #[serde(default)]
         material: Option<String>,
     },
     /// The state at the end of another run, or where a `Save` stage kept it: particles with forces,
@@ -106,7 +103,6 @@ pub struct Particle {
     /// Radius, m.
     pub radius: f64,
     /// Material; optional if the scene has only one.
-    #[serde(default)]
     pub material: Option<String>,
     /// Initial velocity, m/s.
     #[serde(default)]
@@ -115,10 +111,8 @@ pub struct Particle {
     #[serde(default)]
     pub angular_velocity: f64,
     /// Group for selection by stages.
-    #[serde(default)]
     pub group: Option<String>,
     /// Name under which the history records the particle.
-    #[serde(default)]
     pub probe: Option<String>,
 }
 

@@ -134,10 +134,8 @@ pub struct CustomStage {
     #[serde(default)]
     pub increments: u32,
     /// Analysis; that of the scene if left out.
-    #[serde(default)]
     pub analysis: Option<Analysis>,
     /// Gravity, m/s^2; that of the scene if left out.
-    #[serde(default)]
     pub gravity: Option<(f64, f64)>,
     /// Parameters of the plugin, by name.
     #[serde(default, deserialize_with = "unique_keys::deserialize")]
@@ -176,9 +174,9 @@ pub struct Remove {
     pub select: Select,
     /// Whether the periodic cell ends: particles are put back into the cell before the selection,
     /// and contacts and bonds across its sides go.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default)]
     pub open_cell: bool,
     /// Whether the forces and moments that they exerted on other particles stay as loads on these.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default)]
     pub keep_tractions: bool,
 }

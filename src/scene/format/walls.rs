@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Bond, Contact};
+use super::{Bond, Contact, Slide};
 
 /// A wall. Material is on the left of the direction from start to end of a line; all other shapes
 /// are thin, with material on their two sides.
@@ -16,23 +16,21 @@ pub struct Wall {
     /// End of the drawn segment, m.
     pub end: (f64, f64),
     /// Shape between the two, for contact.
-    #[serde(default, skip_serializing_if = "WallShape::is_line")]
+    #[serde(default)]
     pub shape: WallShape,
     /// Law of contacts with particles; rigid and frictionless if left out.
     #[serde(default)]
     pub contact: Contact,
     /// Law of bonds with particles; that of the particle's material if left out.
-    #[serde(default)]
     pub bond: Option<Bond>,
     /// Whether the wall exists from the start. A stage can add it.
     #[serde(default = "super::yes")]
     pub present: bool,
     /// Whether the wall comes at the outermost particles: moved along its inward normal from the
     /// outside until it touches the first one. Such a wall is one that a stage adds.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    #[serde(default)]
     pub touching: bool,
     /// Name under which the history records the wall.
-    #[serde(default)]
     pub probe: Option<String>,
 }
 
@@ -111,7 +109,6 @@ pub enum WallControl {
         stress: f64,
         /// The two walls whose current distance is the loaded length; if left out, the length of
         /// the drawn segment.
-        #[serde(default)]
         between: Option<(String, String)>,
     },
     /// A system of an embedding program drives the wall. The `clastic` program refuses it.
@@ -138,19 +135,8 @@ pub enum LidLoad {
         /// Stress, Pa, compression positive.
         stress: f64,
         /// The two walls whose current distance is the loaded length.
-        #[serde(default)]
         between: Option<(String, String)>,
     },
-}
-
-/// Motion of a [`WallControl::Lid`] along its tangent.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub enum Slide {
-    /// In every increment, m.
-    Displacement(f64),
-    /// Velocity, m/s.
-    Velocity(f64),
 }
 
 /// Points of a [`WallControl::Follow`]. The first number is the time since the start of the stage,
@@ -174,7 +160,6 @@ pub enum Table {
         /// Points: stress, Pa, compression positive.
         stress: Vec<(f64, f64)>,
         /// The two walls whose current distance is the loaded length.
-        #[serde(default)]
         between: Option<(String, String)>,
     },
 }

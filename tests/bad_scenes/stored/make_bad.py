@@ -4,8 +4,6 @@ import numpy as np
 state = dict(np.load("two_disks.npz"))
 np.savez("foreign.npz", temperature=np.array([291.0]))
 np.savez_compressed("version_999.npz", **state | {"format": np.array("clastic state 999")})
-rotations = state["particles.rotation_rad"][:1]
-np.savez_compressed("short_column.npz", **state | {"particles.rotation_rad": rotations})
-np.savez_compressed("lost_body.npz", **state | {"bonds.b": state["bonds.b"] + 7})
+np.savez_compressed("short.npz", **state | {"state": state["state"][:-1]})
 whole = open("two_disks.npz", "rb").read()
 open("cut.npz", "wb").write(whole[: len(whole) // 2])
