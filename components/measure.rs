@@ -328,6 +328,7 @@ pub struct Readings(pub Vec<Option<f64>>);
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::observation::CellStrain;
 
     /// What a quantity counts decides its unit.
     #[test]
@@ -350,7 +351,7 @@ mod tests {
             (membrane(MembraneValue::Grains), ""),
             (membrane(MembraneValue::OuterArea), "m^2"),
             (membrane(MembraneValue::OuterWidth), "m"),
-            (Quantity::Strain(StrainMeasure::CellWidth), ""),
+            (Quantity::Strain(StrainMeasure::Cell(CellStrain::Width)), ""),
             (Quantity::Poured { mass: true }, "kg"),
         ];
         for (quantity, unit) in expected {

@@ -31,12 +31,20 @@ pub enum StrainMeasure {
         /// Upper right corner, m.
         max: DVec2,
     },
-    /// Engineering strain of the width of the periodic cell.
-    CellWidth,
-    /// Engineering strain of the height of the periodic cell.
-    CellHeight,
-    /// Shear strain of the periodic cell: the sum of `du_x/dy` over the increments.
-    CellShear,
+    /// Strain of the periodic cell.
+    Cell(CellStrain),
+}
+
+/// Strain of a periodic cell.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum CellStrain {
+    /// Engineering strain of the width.
+    Width,
+    /// Engineering strain of the height.
+    Height,
+    /// Shear, the sum of `du_x/dy` over the increments.
+    Shear,
 }
 
 /// Component of a strain `-(H + H^T) / 2`, or of the rotation that belongs to it.

@@ -26,7 +26,7 @@ use super::scale::{is_scaled, scale};
 use super::script::{Script, StageEnd};
 pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
-use super::state::{RIGID_AT_START, RigidAtStart, SCRIPT, ScriptState, WALL_CATALOGUE};
+use super::state::{SCRIPT, ScriptState, WALL_CATALOGUE};
 use super::stop::end_increment;
 use super::until::{APPROACH, Approach, forget_halted, is_halted, is_on, keep_state};
 use super::walls::WallCatalogue;
@@ -91,7 +91,6 @@ impl Plugin for ScenePlugin {
             .register_resource::<Sanity>(SANITY)
             .register_resource::<Untouched>(UNTOUCHED)
             .register_resource::<Poured>(POURED)
-            .register_resource::<RigidAtStart>(RIGID_AT_START)
             .add_message::<StageEnd>()
             .init_resource::<StageKinds>()
             .init_resource::<MeasureKinds>()

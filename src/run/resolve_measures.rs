@@ -87,9 +87,7 @@ fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
         }
         scene::Strain::Membrane(name) => StrainMeasure::Membrane(find_membrane(world, name)?),
-        scene::Strain::Cell(scene::CellStrain::Width) => StrainMeasure::CellWidth,
-        scene::Strain::Cell(scene::CellStrain::Height) => StrainMeasure::CellHeight,
-        scene::Strain::Cell(scene::CellStrain::Shear) => StrainMeasure::CellShear,
+        scene::Strain::Cell(of) => StrainMeasure::Cell(*of),
         scene::Strain::Region { component, min, max } => {
             StrainMeasure::Region { component: *component, min: (*min).into(), max: (*max).into() }
         }

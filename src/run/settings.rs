@@ -22,8 +22,7 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(WallCatalogue {
         first: particles,
         walls: scene.walls.clone(),
-        inherited: None,
-        membranes: Vec::new(),
+        ..WallCatalogue::default()
     });
     world.insert_resource(analysis(scene, scene.analysis, scene.gravity));
     world.insert_resource(scene.friction_law.by_analysis());

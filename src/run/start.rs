@@ -16,7 +16,6 @@ use clastic_systems::stepping::ClasticHalted;
 use super::begin_script::begin_script;
 use super::membranes;
 use super::settings::insert_settings;
-use super::state::RigidAtStart;
 use super::wall_pieces::count;
 use super::walls::{WallCatalogue, spawn_wall};
 use crate::saved::SavedState;
@@ -49,9 +48,7 @@ fn restore(
     materials(world, scene, saved);
     probes(world, scene);
     walls(world, scene, state, saved);
-    if !state.rigid.is_empty() {
-        world.insert_resource(RigidAtStart(state.rigid.clone()));
-    }
+    world.resource_mut::<WallCatalogue>().rigid.clone_from(&state.rigid);
     match (scene.output.energy, world.contains_resource::<EnergyLedger>()) {
         (true, false) => world.insert_resource(EnergyLedger::default()),
         (false, true) => {
@@ -118,6 +115,7 @@ fn walls(world: &mut World, scene: &Scene, state: &StoredState, saved: &SavedSta
             walls: saved.walls.clone(),
             inherited: Some(state.walls.clone()),
             membranes: state.membranes.clone(),
+            rigid: Vec::new(),
         });
         return;
     }

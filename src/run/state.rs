@@ -85,14 +85,6 @@ impl StateOf for ScriptState {
     }
 }
 
-/// Name of [`RigidAtStart`] in a state.
-pub const RIGID_AT_START: &str = "rigid_group.at_start";
-
-/// Names of the rigid groups that a run has taken over from the saved state from which it began,
-/// whether they are still there or not. Its scene does not list them.
-#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct RigidAtStart(pub Vec<String>);
-
 fn undecided(script: &Script) -> bool {
     matches!(script.outcome, Some(Outcome::Undecided { .. }))
 }
@@ -196,11 +188,13 @@ impl StateView {
         // Walls follow the particles that the run had at its start.
         let catalogue: WallCatalogue = state.get(WALL_CATALOGUE)?;
         let last = particles.last().map_or(0, |(id, _)| id.0 + 1);
+        let first = catalogue.first;
+        let taken = (catalogue.inherited.unwrap_or_default(), catalogue.membranes);
         let specimen = StoredSpecimen {
             rows: rows.collect(),
-            indices: u64::from(catalogue.first.max(last)),
+            indices: u64::from(first.max(last)),
             groups: Vec::new(),
-            state: Some(stored_state(state, catalogue)?),
+            state: Some(StoredState::of(state, taken, catalogue.rigid, None)?),
         };
         let script: ScriptState = state.get(SCRIPT)?;
         Ok(Self {
@@ -220,14 +214,4 @@ impl StateView {
     pub fn is_within_stage(&self) -> bool {
         self.begun && !self.ended
     }
-}
-
-/// The part of a saved state that a run has taken over from it.
-fn stored_state(state: &WorldState, walls: WallCatalogue) -> Result<StoredState, StateError> {
-    let rigid = match state.bytes(RIGID_AT_START) {
-        Some(_) => state.get::<RigidAtStart>(RIGID_AT_START)?.0,
-        None => Vec::new(),
-    };
-    let taken = (walls.inherited.unwrap_or_default(), walls.membranes);
-    StoredState::of(state, taken, rigid, None)
 }

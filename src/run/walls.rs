@@ -27,6 +27,9 @@ pub struct WallCatalogue {
     pub inherited: Option<Vec<scene::Wall>>,
     /// The membranes that came with these walls.
     pub membranes: Vec<StoredMembrane>,
+    /// Names of the rigid groups of that state, whether they are still there or not. The scene does
+    /// not list them.
+    pub rigid: Vec<String>,
 }
 
 impl WallCatalogue {

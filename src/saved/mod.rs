@@ -37,7 +37,7 @@ const STATE: &str = "state";
 
 /// Entries that a scene which starts from the state has of its own: its place among its stages, its
 /// settings, its output, and tables that the next increment makes anew.
-const OF_THE_SCENE: [&str; 19] = [
+const OF_THE_SCENE: [&str; 18] = [
     "analysis",
     "key_results",
     "materials.names",
@@ -50,7 +50,6 @@ const OF_THE_SCENE: [&str; 19] = [
     "output.avalanche",
     "output.results",
     "output.specimen",
-    "rigid_group.at_start",
     "rupture_count",
     "sanity",
     "sanity.untouched",

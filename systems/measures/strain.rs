@@ -10,7 +10,9 @@ use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::BodyTable;
 use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
 use clastic_components::membrane::MembraneShape;
-use clastic_components::observation::{Measures, Observation, StrainComponent, StrainMeasure};
+use clastic_components::observation::{
+    CellStrain, Measures, Observation, StrainComponent, StrainMeasure,
+};
 use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
 
@@ -41,9 +43,9 @@ impl StrainTables<'_, '_> {
                 Some(place(a)?.distance(place(b)?))
             }
             StrainMeasure::Membrane(membrane) => self.membranes.get(membrane).ok()?.width(),
-            StrainMeasure::CellWidth => Some(self.cell.as_ref()?.width),
-            StrainMeasure::CellHeight => Some(self.cell.as_ref()?.height),
-            StrainMeasure::CellShear => Some(self.cell.as_ref()?.shear),
+            StrainMeasure::Cell(CellStrain::Width) => Some(self.cell.as_ref()?.width),
+            StrainMeasure::Cell(CellStrain::Height) => Some(self.cell.as_ref()?.height),
+            StrainMeasure::Cell(CellStrain::Shear) => Some(self.cell.as_ref()?.shear),
             StrainMeasure::Region { .. } => None,
         }
     }
@@ -81,7 +83,7 @@ impl StrainTables<'_, '_> {
         let StrainMeasure::Region { component, min, max } = *measure else {
             let (then, now) = (reference?, self.distance(measure)?);
             return Some(match measure {
-                StrainMeasure::CellShear => now - then,
+                StrainMeasure::Cell(CellStrain::Shear) => now - then,
                 _ => (then - now) / then,
             });
         };

@@ -50,14 +50,3 @@ pub enum CellTarget {
     /// Stress at the end of the stage, Pa.
     Stress(f64),
 }
-
-/// Strain of a periodic cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
-pub enum CellStrain {
-    /// Shortening of the width.
-    Width,
-    /// Shortening of the height.
-    Height,
-    /// Shear, the sum of `du_x/dy` over the increments.
-    Shear,
-}

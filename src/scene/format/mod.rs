@@ -39,13 +39,15 @@ pub use clastic_components::measure::{
     GrainAmount as Amount, MembraneValue, Network, RingValue,
 };
 pub use clastic_components::membrane::Sides;
-pub use clastic_components::observation::{StrainComponent, StressComponent as Component};
+pub use clastic_components::observation::{
+    CellStrain, StrainComponent, StressComponent as Component,
+};
 pub use clastic_components::wall::WallSlide as Slide;
 
 use super::unique_keys;
 
 pub use analysis::{Analysis, FrictionLaw};
-pub use cell::{Cell, CellControl, CellStrain, CellTarget};
+pub use cell::{Cell, CellControl, CellTarget};
 pub use cement::Cement;
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
 pub use load::{Load, Scale};
