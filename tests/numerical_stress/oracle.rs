@@ -175,6 +175,7 @@ impl Oracle {
         let analysis = *world.resource::<ClasticAnalysis>();
         let motion_steps = world.resource::<Attempt>().motion_steps;
         let is_pushed = world.resource::<Pushed>().0.is_some();
+        let corrections = world.resource::<Corrections>().clone();
         let mut program = world.resource::<ConeProgram>().clone();
         let forces = world.resource::<ConeSolution>().forces.clone();
         let mut contacts = world.resource::<ContactTable>().0.clone();
@@ -281,7 +282,8 @@ impl Oracle {
         let mut force = contact_force;
         let mut resist: BTreeMap<u32, [f64; 3]> = bodies.keys().map(|id| (*id, [0.0; 3])).collect();
 
-        // Restoring force of taut bonds: their tension at the start, turned with their axis.
+        // Restoring force of taut bonds: their tension at the start, or that of the pass before, turned with
+        // their axis.
         for (c, f) in program.interactions.iter().zip(&forces).skip(contacts.len()) {
             let (a, b) = (&bodies[&c.a], &bodies[&c.b]);
             let d = b.start - a.start;
@@ -291,9 +293,11 @@ impl Oracle {
                 continue;
             };
             let bond = between_bonds(la, lb);
-            let gap = d.length() - a.radius - b.radius - bonds[&(c.a, c.b)].0;
             let strength = 2.0 * a.radius.min(b.radius) * scene.thickness * bond.tensile_strength;
-            let tension = (gap * bond.normal_stiffness.unwrap_or(0.0)).min(strength);
+            let k = contacts.iter().position(|contact| (contact.a, contact.b) == (c.a, c.b));
+            let last = -k.map_or(0.0, |k| program.last_forces[k][0]);
+            let pair = (row(c.a) as u32, row(c.b) as u32);
+            let tension = corrections.of(pair).map_or(last, |guess| guess.tension).min(strength);
             let along = d.normalize().perp();
             let moved = DVec2::new(a.motion[0] - b.motion[0], a.motion[1] - b.motion[1]);
             let expected = (tension / d.length() * moved.dot(along)).max(-tension);
@@ -352,7 +356,17 @@ impl Oracle {
                 let own = (contact.b as usize)
                     .checked_sub(materials.len())
                     .and_then(|wall| scene.walls[wall].bond);
-                let bond = own.unwrap_or_else(|| between_bonds(la.unwrap(), lb.unwrap()));
+                let of_pair = || {
+                    let on = |bond: BondLaw, of: u32| on_contact(bond, law(of).contact);
+                    let lb =
+                        lb.map(
+                            |lb| if wall.is_none() { on(lb, contact.b) } else { on(lb, contact.a) },
+                        );
+                    between_bonds(on(la.unwrap(), contact.a), lb.unwrap())
+                };
+                let wall = (contact.b as usize).checked_sub(materials.len());
+                let bond = own.unwrap_or_else(of_pair);
+                let bond = wall.map_or(bond, |wall| on_contact(bond, scene.walls[wall].contact));
                 let limits = [
                     bond.cohesion * area,
                     bond.friction,
@@ -586,6 +600,16 @@ fn between_contacts(a: ContactLaw, b: ContactLaw) -> ContactLaw {
         friction: a.friction.min(b.friction),
         rolling_friction: a.rolling_friction.min(b.rolling_friction),
         restitution: a.restitution.min(b.restitution),
+    }
+}
+
+/// A stiffness that the bond does not name is that of its contact.
+fn on_contact(bond: BondLaw, contact: ContactLaw) -> BondLaw {
+    BondLaw {
+        normal_stiffness: bond.normal_stiffness.or(contact.normal_stiffness),
+        tangential_stiffness: bond.tangential_stiffness.or(contact.tangential_stiffness),
+        rolling_stiffness: bond.rolling_stiffness.or(contact.rolling_stiffness),
+        ..bond
     }
 }
 

@@ -235,8 +235,9 @@ fn round_off_is_no_key_result() {
 fn a_reference_stage_without_a_curve_is_mentioned() {
     let load = "Load(name: \"load\", increments: 2, particles: [(select: Group(\"boundary\"), \
                 rotation: Held, affine: ((0.0, 0.0), (0.0, -1.0e-6)))])";
-    let cement = |name: &str| format!("Cement(name: \"{name}\", length: 1.0e-6)");
-    let stages = format!("stages=[{}, {load}, {}]", cement("bonds"), cement("last"));
+    // The last one bonds second neighbours, at a gap of 7.3 mm.
+    let cement = |name: &str, length: f64| format!("Cement(name: \"{name}\", length: {length:?})");
+    let stages = format!("stages=[{}, {load}, {}]", cement("bonds", 1e-6), cement("last", 8e-3));
     let (done, _out) = run("lattice", &["--quiet", "--set", &stages]);
     let said = stdout(&done.code(0));
     let line = said.lines().find(|line| line.contains("no increment from the start"));
