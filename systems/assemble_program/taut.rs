@@ -4,9 +4,10 @@
 //! stiffness T/L, like a string. The program holds normals constant and lacks this stiffness. A
 //! grain that nothing else holds then swings far past its position of rest, and back again in the
 //! next increment. Compared with the stiffness of an elastic bond the term is small (1e-3 at the
-//! strength of rock), so it is left out until a grain is thrown. The taut bonds of that grain, and
-//! of grains that move with it, then get a tie along the tangent. Its compliance is L/T, and its
-//! force is at most that of the bond. It represents the force of the bond itself, turned by the
+//! strength of rock), so it is left out until a grain is thrown, a motion is followed, or passes about
+//! the end of the increment fail. The taut bonds then get a tie along the tangent: those of that grain
+//! and of grains that move with it, or all. Its compliance is L/T, and its force is at most that of the
+//! bond. It represents the force of the bond itself, turned by the
 //! motion, and is no error of the balance. The term of a compressed pair is negative, destabilises
 //! a grain, and cannot be part of a convex program. Followed motions cover this case.
 
