@@ -74,7 +74,7 @@ fn shape(kind: &str, lines: usize) -> Vec<f64> {
         "box" => 0.0,
         "zigzag" => {
             let slope = if 2 * i < lines { -0.2 } else { 0.2 };
-            slope + if i % 2 == 0 { 0.4 } else { -0.4 }
+            slope + if i.is_multiple_of(2) { 0.4 } else { -0.4 }
         }
         _ => unreachable!("{kind}"),
     };
@@ -111,7 +111,7 @@ fn hanging(start: &[f64], near: &[f64], bending: f64) -> Vec<f64> {
         }
     }
     let stiffness = bending / (0.1 * WEIGHT);
-    let sign = |i: usize| if i % 2 == 0 { 1.0 } else { -1.0 };
+    let sign = |i: usize| if i.is_multiple_of(2) { 1.0 } else { -1.0 };
     let rows = |phi: &[f64]| -> Vec<[f64; 3]> {
         (0..m).map(|i| [-phi[i].sin(), phi[i].cos(), sign(i)]).collect()
     };
