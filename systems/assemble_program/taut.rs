@@ -12,9 +12,9 @@
 //! a grain, and cannot be part of a convex program. Followed motions cover this case.
 
 use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::findings::{Correction, Corrections, Restraints};
+use clastic_components::findings::{Corrections, Restraints};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_cone::program::{Interaction, Limits};
+use clastic_cone::program::{ConeProgram, Interaction, Limits};
 
 /// Elongation over the length of a bond below which it counts as slack.
 const MIN_ELONGATION: f64 = 1e-9;
@@ -37,15 +37,27 @@ fn tension(bond: &Interaction, tension: f64) -> f64 {
     }
 }
 
-/// Ties all grains, because passes about the end of the increment that fail may lack the geometric stiffness
-/// of taut bonds alone. Returns whether that changes the program.
-pub fn tie_all(bodies: &BodyTable, corrections: &Corrections, restraints: &mut Restraints) -> bool {
+/// Ties all grains, because an equilibrium that is not found, at the start or about a guess of the end, may
+/// lack the geometric stiffness of taut bonds alone. Returns whether that changes the program.
+pub fn tie_all(
+    bodies: &BodyTable,
+    program: &ConeProgram,
+    corrections: &Corrections,
+    restraints: &mut Restraints,
+) -> bool {
     restraints.swinging.resize(bodies.particles, false);
     let mut grains = restraints.swinging.iter().zip(&bodies.swinging);
     let is_new = grains.any(|(now, before)| !now && !before);
     restraints.swinging.fill(true);
-    let is_taut = |of: &Correction| of.tension > 0.0 && (of.pair.1 as usize) < bodies.particles;
-    is_new && corrections.list.iter().any(is_taut)
+    let joins = |other: u32| (other as usize) < bodies.particles;
+    let mut guesses = corrections.list.iter();
+    let mut bonds = program.interactions.iter().zip(&program.last_forces);
+    let has_taut = if corrections.list.is_empty() {
+        bonds.any(|(c, last)| joins(c.b) && is_taut(c, last))
+    } else {
+        guesses.any(|of| joins(of.pair.1) && of.tension > 0.0)
+    };
+    is_new && has_taut
 }
 
 /// Appends the ties of taut bonds at swinging bodies.

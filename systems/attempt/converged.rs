@@ -72,9 +72,14 @@ pub fn judge(
         SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
-    if fails && corrections.passes > 0 && taut::tie_all(&bodies, &corrections, &mut restraints) {
+    let in_pass = fails && corrections.passes > 0;
+    let is_unfound = seeks_equilibrium && matches!(attempt.verdict, Verdict::Unconverged(_));
+    if is_static
+        && (in_pass || is_unfound)
+        && taut::tie_all(&bodies, &program, &corrections, &mut restraints)
+    {
         attempt.verdict = Verdict::Again;
-    } else if fails && corrections.passes > 0 {
+    } else if in_pass {
         // A guess of the end proves nothing.
         let is_elastic = corrections.idle_motion.is_some();
         let why = match std::mem::take(&mut attempt.verdict) {

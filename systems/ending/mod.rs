@@ -147,7 +147,7 @@ pub fn judge(
         state.list = increment.about(&guess, &solution.forces);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
-    } else if is_static && is_elastic && taut::tie_all(bodies, state, &mut restraints) {
+    } else if is_static && is_elastic && taut::tie_all(bodies, program, state, &mut restraints) {
         state.guesses.begin_anew();
         state.passes = 1;
         attempt.verdict = Verdict::Again;
