@@ -16,19 +16,20 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     let materials = scene
         .materials
         .iter()
-        .map(|(name, m)| (format!("of material {}", label(name)), m.bond, is_elastic(&m.contact)));
-    let walls = scene.walls.iter().map(|wall| {
-        (format!("of wall {}", label(&wall.name)), wall.bond, is_elastic(&wall.contact))
-    });
-    let are_elastic = scene.materials.values().all(|material| is_elastic(&material.contact));
+        .map(|(name, of)| (format!("of material {}", label(name)), of.bond, vec![of.contact]));
+    let walls = scene
+        .walls
+        .iter()
+        .map(|wall| (format!("of wall {}", label(&wall.name)), wall.bond, vec![wall.contact]));
+    let contacts = || scene.materials.values().map(|material| material.contact).collect();
     let stages = scene.stages.iter().filter_map(|stage| match stage {
         Stage::Cement(cement) => {
-            Some((format!("of stage {}", label(&cement.name)), cement.bond, are_elastic))
+            Some((format!("of stage {}", label(&cement.name)), cement.bond, contacts()))
         }
         _ => None,
     });
-    let of_bond = |(of, bond, is_on_springs): (String, Option<Bond>, bool)| {
-        let reason = obstacle(&bond?, is_on_springs, scene.rupture.rolling)?;
+    let of_bond = |(of, bond, contacts): (String, Option<Bond>, Vec<Contact>)| {
+        let reason = obstacle(&bond?, &contacts, scene.rupture.rolling)?;
         Some(format!("bonds {of} {reason}"))
     };
     let bonds = materials.chain(walls).chain(stages).find_map(of_bond);
@@ -40,15 +41,13 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     })
 }
 
-fn is_elastic(contact: &Contact) -> bool {
-    contact.normal_stiffness.is_some() && contact.tangential_stiffness.is_some()
-}
-
-/// Properties of the law of a bond that exclude `Events`. `is_on_springs`: a stiffness that it does not
-/// name is that of its contacts.
-fn obstacle(bond: &Bond, is_on_springs: bool, rolling: RollingLimit) -> Option<&'static str> {
-    let is_named = bond.normal_stiffness.is_some() && bond.tangential_stiffness.is_some();
-    let is_rigid = !is_named && !is_on_springs;
+/// Properties of the law of a bond that exclude `Events`. A stiffness that it does not name is that of its
+/// contacts.
+fn obstacle(bond: &Bond, contacts: &[Contact], rolling: RollingLimit) -> Option<&'static str> {
+    let is_rigid = contacts.iter().any(|of| {
+        bond.normal_stiffness.or(of.normal_stiffness).is_none()
+            || bond.tangential_stiffness.or(of.tangential_stiffness).is_none()
+    });
     let has_strength = bond.cohesion > 0.0 && bond.tensile_strength > 0.0;
     if is_rigid {
         Some("are rigid (`normal_stiffness` or `tangential_stiffness` is missing)")
@@ -104,6 +103,8 @@ mod tests {
         let rigid = reason("", "normal_stiffness: 1.0,", "Static").unwrap();
         assert!(rigid.starts_with("bonds of material m are rigid"), "{rigid}");
         assert_eq!(reason_on(ELASTIC, "", "", "Static"), None, "as stiff as their contacts");
+        let normal = "normal_stiffness: 1.0,";
+        assert_eq!(reason_on("tangential_stiffness: 1.0,", "", normal, "Static"), None);
         let rolling = format!("{ELASTIC} rolling_friction: 0.1,");
         let breaks = reason("", &rolling, "Static").unwrap();
         assert!(breaks.starts_with("bonds of material m break in rolling"), "{breaks}");

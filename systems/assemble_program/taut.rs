@@ -4,12 +4,12 @@
 //! stiffness T/L, like a string. The program holds normals constant and lacks this stiffness. A
 //! grain that nothing else holds then swings far past its position of rest, and back again in the
 //! next increment. Compared with the stiffness of an elastic bond the term is small (1e-3 at the
-//! strength of rock), so it is left out until a grain is thrown, a motion is followed, or passes about
-//! the end of the increment fail. The taut bonds then get a tie along the tangent: those of that grain
-//! and of grains that move with it, or all. Its compliance is L/T, and its force is at most that of the
-//! bond. It represents the force of the bond itself, turned by the
-//! motion, and is no error of the balance. The term of a compressed pair is negative, destabilises
-//! a grain, and cannot be part of a convex program. Followed motions cover this case.
+//! strength of rock), so it is left out until a grain is thrown, a motion is followed, or an
+//! equilibrium is not found. The taut bonds then get a tie along the tangent: those of that grain and
+//! of grains that move with it, or all. Its compliance is L/T, and its force is at most that of the
+//! bond. It represents the force of the bond itself, turned by the motion, and is no error of the
+//! balance. The term of a compressed pair is negative, destabilises a grain, and cannot be part of a
+//! convex program. Followed motions cover this case.
 
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::findings::{Corrections, Restraints};
@@ -38,26 +38,29 @@ fn tension(bond: &Interaction, tension: f64) -> f64 {
 }
 
 /// Ties all grains, because an equilibrium that is not found, at the start or about a guess of the end, may
-/// lack the geometric stiffness of taut bonds alone. Returns whether that changes the program.
+/// lack the geometric stiffness of taut bonds alone. Returns whether that changes the program; without a
+/// taut bond no grain is tied.
 pub fn tie_all(
     bodies: &BodyTable,
     program: &ConeProgram,
     corrections: &Corrections,
     restraints: &mut Restraints,
 ) -> bool {
-    restraints.swinging.resize(bodies.particles, false);
-    let mut grains = restraints.swinging.iter().zip(&bodies.swinging);
-    let is_new = grains.any(|(now, before)| !now && !before);
-    restraints.swinging.fill(true);
     let joins = |other: u32| (other as usize) < bodies.particles;
-    let mut guesses = corrections.list.iter();
-    let mut bonds = program.interactions.iter().zip(&program.last_forces);
     let has_taut = if corrections.list.is_empty() {
+        let mut bonds = program.interactions.iter().zip(&program.last_forces);
         bonds.any(|(c, last)| joins(c.b) && is_taut(c, last))
     } else {
-        guesses.any(|of| joins(of.pair.1) && of.tension > 0.0)
+        corrections.list.iter().any(|guess| joins(guess.pair.1) && guess.tension > 0.0)
     };
-    is_new && has_taut
+    if !has_taut {
+        return false;
+    }
+    restraints.swinging.resize(bodies.particles, false);
+    let mut grains = restraints.swinging.iter().zip(&bodies.swinging);
+    let is_new = grains.any(|(found, before)| !found && !before);
+    restraints.swinging.fill(true);
+    is_new
 }
 
 /// Appends the ties of taut bonds at swinging bodies.
