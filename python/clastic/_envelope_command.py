@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ._arguments import FILES, INTERRUPTED, SCENE, complain, positive, setting
@@ -48,9 +48,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     add = parser.add_argument
     add("scene", metavar="SCENE", help="a scene file, or the name of a scene")
-    add("--confining", type=_stresses, metavar="PA,...", required=True, help="confining stresses, Pa, compression positive, two or more: 0,5e6,10e6")
+    add("--confining", type=_list_of(float, "write numbers in Pa with commas between them, as in 0,5e6,10e6"), metavar="PA,...", required=True, help="confining stresses, Pa, compression positive, two or more: 0,5e6,10e6")
     add("--field", dest="fields", action="append", default=[], metavar="PATH[=VALUE]", help="field of the scene that is the confining stress: a path, or PATH=VALUE with {} in the place of the stress; may be repeated [default: let.confining]")
-    add("--seeds", type=_seeds, metavar="N,...", default=[], help="seeds of the specimen")
+    add("--seeds", type=_list_of(int, "write whole numbers with commas between them, as in 1,2,3"), metavar="N,...", default=[], help="seeds of the specimen")
     add("--seed-field", dest="seed_fields", action="append", default=[], metavar="PATH", help="field of the scene that is the seed; may be repeated [default: let.seed]")
     add("--prepare", metavar="SCENE", help="a scene whose state at the end is the specimen of all runs of a seed; --seed-field is then a field of this scene")
     add("--set", type=setting, action="append", default=[], metavar="PATH=VALUE", help="set a field of the scene for all runs; may be repeated")
@@ -60,17 +60,13 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _stresses(text: str) -> list[float]:
-    try:
-        return [float(stress) for stress in text.split(",")]
-    except ValueError:
-        message = "write numbers in Pa with commas between them, as in 0,5e6,10e6"
-        raise argparse.ArgumentTypeError(message) from None
+def _list_of(number: type[float], words: str) -> Callable[[str], list[float]]:
+    """A reader of numbers with commas between them, which are asked for in these words."""
 
+    def read(text: str) -> list[float]:
+        try:
+            return [number(part) for part in text.split(",")]
+        except ValueError:
+            raise argparse.ArgumentTypeError(words) from None
 
-def _seeds(text: str) -> list[int]:
-    try:
-        return [int(seed) for seed in text.split(",")]
-    except ValueError:
-        message = "write whole numbers with commas between them, as in 1,2,3"
-        raise argparse.ArgumentTypeError(message) from None
+    return read
