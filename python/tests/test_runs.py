@@ -194,6 +194,22 @@ def test_the_envelope_of_a_cemented_sand_is_near_that_of_its_bonds(tmp_path: Pat
     assert len((tmp_path / "envelope.csv").read_text().splitlines()) == 4
 
 
+def test_an_envelope_prepares_the_specimen_of_each_seed_once(tmp_path: Path) -> None:
+    scenes = Path(__file__).parents[2] / "scenes"
+    walls = [f"stages.confine.walls.{name}.stress" for name in ("left", "right", "bottom", "top")]
+    fields = [word for wall in walls for word in ("--field", wall)]
+    packing = ["--prepare", str(scenes / "prepare_and_branch.ron"), "--seeds", "7,8", "--seed-field", "specimen.seed"]
+    found = ["--confining", "50e3,100e3", "--set", "stages.shear.increments=10", "--out", str(tmp_path), "--quiet"]
+    scene = str(scenes / "prepare_and_branch_100kPa.ron")
+    said = program("envelope", scene, *packing, *fields, *found).stdout
+    assert "envelopes of 4 peaks at confining stresses from 0.05 to 0.1 MPa" in said
+    assert "standard deviation over 2 seeds" in said
+    runs = [run for run in tmp_path.iterdir() if (run / "run.json").exists()]
+    assert len(runs) == 4 + 2, "a packing of each seed, and two tests of it"
+    rows = [line.split(",")[:2] for line in (tmp_path / "envelope.csv").read_text().splitlines()[1:]]
+    assert rows == [["7", "50000.0"], ["8", "50000.0"], ["7", "100000.0"], ["8", "100000.0"]]
+
+
 def test_an_envelope_of_runs_without_a_peak_is_none(tmp_path: Path) -> None:
     """Packings that jam have no peaks: the command told of "0 peaks from inf to -inf MPa"."""
     rig = Path(__file__).parents[2] / "rigs" / "biaxial.ron"
