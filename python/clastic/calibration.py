@@ -5,10 +5,10 @@ stiffnesses, and a strength all strengths of bonds, each by one factor. Runs see
 k_t/k_n. Five rules keep their number small:
 
 - A ratio is fitted with those tests alone that it acts on, tests of few ratios first: k_t/k_n with an elastic test.
-- A test that the first difference of a ratio has not changed is not repeated for it until all seeds verify.
+- A test that the first difference of a ratio has not changed is not repeated for it until the end of a search.
 - Gauss-Newton steps need differences once. Afterwards every run improves the derivatives (Broyden's update).
-- The first seed alone is searched, with the distance of all seeds from it at the start of a fit. All seeds verify
-  what is found.
+- All seeds are run at once and their mean is searched: a peak of one specimen scatters by several per cent under
+  round-off alone, and a search by one seed follows its scatter.
 - A run lies in a folder that is named by the hash of its scene, and is never made twice.
 
 SciPy solves for a step. Its own searches repeat the differences for each step, or know no limits.
@@ -31,7 +31,7 @@ from .targets import POINTS, Curve, Parameter, Target, scale
 if TYPE_CHECKING:
     import pandas
 
-#: Searches, each with a verification by all seeds.
+#: Searches, each with a verification.
 SEARCHES = 4
 #: Steps as parts of the range between the limits of a parameter: of the first differences, the longest, and the
 #: shortest. Results jump where another bond breaks first, so that the derivatives of a step have half their weight
@@ -75,8 +75,6 @@ class _Search:
     folders: Folders
     #: Logarithms of the factors on stiffnesses and strengths that the runs have.
     factors: np.ndarray = field(default_factory=lambda: np.zeros(2))
-    #: What the errors of all seeds differ by from those of the first.
-    offsets: list[Any] = field(default_factory=list)
     #: Tests and names of ratios that do not act on them, and the ratios with which such tests were made.
     idle: set[tuple[str, str]] = field(default_factory=set)
     held: dict[str, float] = field(default_factory=dict)
@@ -85,17 +83,14 @@ class _Search:
 
     def __post_init__(self) -> None:
         self.sought = [p for p in self.parameters if p.scales is None]
-        self.offsets = [0.0 for _ in self.targets]
 
     def values(self, parts: np.ndarray) -> dict[str, float]:
-        """Values of all parameters."""
+        """Values of all parameters, of nine digits: values that differ by round-off make one run."""
         found = {p.name: p.value(part) for p, part in zip(self.sought, parts)}
         scaled = {p.name: p.start * scale(p.scales, self.factors) for p in self.parameters if p.scales}
-        return {p.name: (found | scaled)[p.name] for p in self.parameters}
+        return {p.name: float(f"{(found | scaled)[p.name]:.9g}") for p in self.parameters}
 
-    def results(
-        self, parts: np.ndarray, chosen: Sequence[int], seeds: Sequence[int | None], searching: bool = False
-    ) -> list[list]:
+    def results(self, parts: np.ndarray, chosen: Sequence[int], searching: bool = False) -> list[list]:
         """What the chosen targets measure, by target and seed; NaN where a run failed. A search keeps the ratios
         that do not act on a test.
         """
@@ -106,14 +101,14 @@ class _Search:
             return every | {name: self.held[name] for name in keeps}
 
         tests = [name for name in self.tests if any(name in self.targets[i].tests for i in chosen)]
-        work = [(test, seed) for test in tests for seed in seeds]
-        specimens = dict(zip(seeds, self.folders.map(self.specimen, seeds)))
+        work = [(test, seed) for test in tests for seed in self.seeds]
+        specimens = dict(zip(self.seeds, self.folders.map(self.specimen, self.seeds)))
         made = self.folders.map(lambda w: self.test(*w, values(w[0]), specimens[w[1]]), work)
         runs = dict(zip(work, made))
         self.last = runs
         measured = []
         for target in (self.targets[i] for i in chosen):
-            of = [[runs[test, seed] for test in target.tests] for seed in seeds]
+            of = [[runs[test, seed] for test in target.tests] for seed in self.seeds]
             measured.append([target.measure(some) if all(some) else np.nan for some in of])
         return measured
 
@@ -150,8 +145,7 @@ class _Search:
 
     def errors(self, measured: list[list], chosen: Sequence[int], factors: np.ndarray) -> list[np.ndarray]:
         """Errors of the chosen targets of all seeds once the results are scaled by more factors."""
-        of = zip(chosen, measured)
-        return [self.targets[i].errors(seeds, factors) + self.offsets[i] for i, seeds in of]
+        return [self.targets[i].errors(seeds, factors) for i, seeds in zip(chosen, measured)]
 
     def similar(self, measured: list[list], chosen: Sequence[int]) -> np.ndarray:
         """More factors, which bring the results nearest to the targets."""
@@ -181,16 +175,9 @@ class _Search:
         return start
 
     def trial(self, parts: np.ndarray, chosen: Sequence[int]) -> np.ndarray:
-        """Errors of the chosen targets at the first seed, with the factors that suit them best."""
-        self.measured = self.results(parts, chosen, self.seeds[:1], searching=True)
+        """Errors of the chosen targets, with the factors that suit them best."""
+        self.measured = self.results(parts, chosen, searching=True)
         return np.concatenate(self.errors(self.measured, chosen, self.similar(self.measured, chosen)))
-
-    def compare(self, parts: np.ndarray, chosen: Sequence[int]) -> None:
-        """Finds by what the errors of all seeds differ from those of the first."""
-        measured = self.results(parts, chosen, self.seeds)
-        for i, seeds in zip(chosen, measured):
-            every, first = (self.targets[i].errors(some, np.zeros(2)) for some in (seeds, seeds[:1]))
-            self.offsets[i] = np.nan_to_num(every - first)
 
     def groups(self) -> list[tuple[list[int], list[int]]]:
         """Sought parameters with the targets that they are fitted to, in the order of the fits. The last group
@@ -298,9 +285,8 @@ def calibrate(
     bonds, as long as strains are small. The other parameters are sought by Gauss-Newton steps on the
     logarithms of the results over their targets, in which the two factors are the best for each trial.
     A parameter is fitted before others if the targets that it alone acts on suffice: give its ``paths``
-    by test where it does not act on all. The search has the first seed. Runs of all seeds then have the
-    parameters that were found, and are searched again from there where their means are not within the
-    tolerance.
+    by test where it does not act on all. Runs then have the parameters and factors that were found, and are
+    searched again from there where their means over the seeds are not within the tolerance.
 
     Parameters
     ----------
@@ -368,14 +354,13 @@ def calibrate(
     for _ in range(SEARCHES):
         before = len(search.folders.rows)
         for k, (free, chosen) in enumerate(groups):
-            search.compare(parts, chosen)
             # Two targets that pull in opposite directions then have half the tolerance each.
             goal = np.sqrt(0.5) * allowed[chosen].min()
             parts, slopes[k] = search.fit(parts, free, chosen, slopes[k], goal, max_runs)
-        # All tests of the first seed, most of which are there, give the factors.
-        measured = search.results(parts, every, search.seeds[:1])
+        # All tests, which are there, give the factors.
+        measured = search.results(parts, every, searching=True)
         search.factors = search.factors + search.similar(measured, every)
-        measured = search.results(parts, every, search.seeds)
+        measured = search.results(parts, every)
         errors = [t.errors(seeds, np.zeros(2)) for t, seeds in zip(targets, measured)]
         # Errors are logarithms.
         worst = float(np.max([np.linalg.norm(np.expm1(e)) / a for e, a in zip(errors, allowed)]))

@@ -21,6 +21,7 @@ ROCKS = {
 }
 SCENES = Path(__file__).parent
 QUICK = {"output.plots": False}
+STRENGTHS = ("compression", "tension")
 
 name = sys.argv[1] if len(sys.argv) > 1 else "marble"
 modulus, poisson, compressive, tensile = ROCKS[name]
@@ -39,12 +40,10 @@ found = clastic.calibrate(
     ],
     [
         Parameter("stiffness", ["let.stiffness"], 5e10, "stiffness"),
-        Parameter("tensile", ["let.tensile"], 2e7, "strength"),
+        # Strengths have no influence on the elastic test, which is then not repeated for them.
+        Parameter("tensile", {test: ["let.tensile"] for test in STRENGTHS}, 2e7, "strength"),
         Parameter("shear", ["let.shear"], 0.4, low=0.1, high=1.0),
-        # It has no influence on the elastic test, which is then not repeated for it.
-        Parameter(
-            "cohesion", {t: ["let.cohesion"] for t in ("compression", "tension")}, 5.0, low=1.0, high=10.0
-        ),
+        Parameter("cohesion", {test: ["let.cohesion"] for test in STRENGTHS}, 5.0, low=1.0, high=10.0),
     ],
     seeds=(1, 2),
     prepare=(SCENES / "rock_packing.ron", QUICK),
