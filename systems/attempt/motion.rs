@@ -44,9 +44,8 @@ use crate::update_state::remembered;
 fn units(world: &World, released: bool) -> (f64, f64, f64) {
     let bonds = &world.resource::<BodyTable>().bonds;
     if !released || bonds.is_empty() {
-        let program = world.resource::<ConeProgram>();
-        let first_weight = world.resource::<MotionSettings>().first_weight;
-        return (1.0, shown_stiffness(program), first_weight);
+        let settings = world.resource::<MotionSettings>();
+        return (1.0, shown_stiffness(world), settings.first_weight);
     }
     let mean = |of: fn(&BondRow) -> f64| bonds.iter().map(of).sum::<f64>() / bonds.len() as f64;
     let elongation = mean(|bond| 2.0 * bond.law.normal_compliance * bond.law.tensile_strength);
@@ -54,14 +53,17 @@ fn units(world: &World, released: bool) -> (f64, f64, f64) {
     (length, mean(|bond| bond.law.normal_compliance.recip()), 1.0)
 }
 
-/// The stiffness that forces and displacements of the increment show, N/m, at most the mean of the
-/// elastic contacts: after an idle increment the displacements are round-off.
-fn shown_stiffness(program: &ConeProgram) -> f64 {
-    let compliances = program.interactions.iter().map(|c| c.normal_compliance);
-    let elastic: Vec<f64> = compliances.filter(|c| *c > 0.0).map(f64::recip).collect();
-    let mean = elastic.iter().sum::<f64>() / elastic.len() as f64;
-    // Without elastic contacts the mean is no number, and the minimum is the other.
-    (program.scales.force / program.scales.displacement).min(mean)
+/// The stiffness that the loads show, N/m, where they move a grain by the minimum travel of a motion.
+/// The displacements of the increment show none: of rigid grains they are gaps, and after an idle
+/// increment round-off.
+fn shown_stiffness(world: &World) -> f64 {
+    let (bodies, program) = (world.resource::<BodyTable>(), world.resource::<ConeProgram>());
+    program.scales.force / (min_travel(world.resource(), world.resource()) * bodies.mean_radius)
+}
+
+/// Travel of a grain, in its radii, below which a motion is none.
+fn min_travel(acceptance: &Acceptance, settings: &MotionSettings) -> f64 {
+    settings.min_travel * acceptance.turn
 }
 
 /// Starts a motion from rest. `released`: bonds have broken at an equilibrium; otherwise no
@@ -197,7 +199,7 @@ pub fn judge_rest(
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;
     // The step that makes the imposed motions moves bodies, if only those.
-    let moved = !attempt.is_driven || travelled > settings.min_travel * acceptance.turn;
+    let moved = !attempt.is_driven || travelled > min_travel(&acceptance, &settings);
     if at_rest || travelled <= settings.travel_to_rest {
         attempt.verdict = if at_rest { Verdict::AtRest { moved } } else { Verdict::Moving };
         return;

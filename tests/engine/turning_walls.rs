@@ -7,7 +7,7 @@ use clastic::components::contact_history::ContactHistory;
 use clastic::components::energy::EnergyLedger;
 use clastic::components::observation::Observation;
 use clastic::components::wall::{Wall, WallControl};
-use clastic::run::Simulation;
+use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{FrictionLaw, Scene};
 use glam::DVec2;
 
@@ -198,14 +198,19 @@ fn a_drum_turns_under_a_disk_that_slides() {
         scene.friction_law = FrictionLaw::COULOMB;
         let mut simulation = Simulation::new(&scene, None);
         let records: Vec<_> = std::iter::from_fn(|| next(&mut simulation)).collect();
+        assert_eq!((simulation.run(), records.len()), (Outcome::Completed, 300), "{analysis}");
         let last = probe(records.last().unwrap(), "drum");
         let disk = states(&mut simulation)[0];
         let at = disk.position.x.atan2(-disk.position.y);
         // Forces are in equilibrium with the normal at the start of the increment, in which the disk
-        // moves by a turn of 0.002 of the drum.
-        assert_within(at, slope, 1.01 * 0.002 * radius / (radius - 0.01));
+        // moves by a turn of 0.002 of the drum. In statics it sticks and slips: it is carried up until
+        // no equilibrium is left, and a step of the motion that is followed then takes it down by at
+        // most half of its radius.
+        let turn = 1.01 * 0.002 * radius / (radius - 0.01);
+        let slip = if analysis == "Static" { 0.5 * 0.01 / (radius - 0.01) } else { turn };
+        assert!((slope - slip..slope + turn).contains(&at), "{analysis}: {at} {slope}");
         assert_relative(last.force[1], WEIGHT, 5e-3);
-        assert_relative(last.force[2], WEIGHT * radius * slope.sin(), 1e-2);
+        assert_within(last.force[2], WEIGHT * radius * at.sin(), WEIGHT * radius * turn);
     }
 }
 
