@@ -162,14 +162,6 @@ impl Attempt {
         }
     }
 
-    /// Whether every taut bond pulls back the grains that it holds: in a motion where equilibrium was lost.
-    /// Without that, a specimen that hangs on bonds swings about its place of rest by the length of a
-    /// step. The steps of a motion that a rupture has released are shorter than that.
-    #[must_use]
-    pub fn ties_all(&self) -> bool {
-        self.motion().is_some_and(|motion| !motion.released)
-    }
-
     /// Effort of an attempt at an equilibrium; `None` in a motion or a proof.
     #[must_use]
     pub fn effort(&self) -> Option<Effort> {

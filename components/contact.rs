@@ -49,8 +49,6 @@ pub struct BodyTable {
     pub drives: Vec<[BodyDrive; 3]>,
     /// Applied loads of the particles.
     pub loads: Vec<[Ramp; 3]>,
-    /// Particles that swing about their taut bonds.
-    pub swinging: Vec<bool>,
     /// Particles that are [set aside](crate::particle::SetAside).
     pub set_aside: Vec<bool>,
     /// The walls of the world, in the order of identities.

@@ -117,8 +117,7 @@ pub struct Correction {
     pub offset: f64,
     /// Slip minus its linear expression, m.
     pub slip: f64,
-    /// Motion across the normal at the guess, m, at which a [tie](crate::findings::Restraints) of
-    /// the pair has no force.
+    /// Motion across the normal at the guess, m, at which a tie of the pair has no force.
     pub tie: f64,
     /// Tension of the pair in the solution that led to the guess, N; negative in compression.
     pub tension: f64,
@@ -279,15 +278,12 @@ pub enum Bearing {
     Load,
 }
 
-/// Measures that keep grains from being thrown.
+/// What keeps grains from being thrown.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Restraints {
     /// Load of bodies in rejected solutions. Empty before the first rejection.
     pub bearing: Vec<Bearing>,
-    /// Bodies that moved far in a rejected solution and that their taut bonds pull back. Empty
-    /// before the first rejection.
-    pub swinging: Vec<bool>,
 }
 
 /// Centre of the regularisation if it follows the solution.

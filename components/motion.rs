@@ -23,8 +23,7 @@ pub struct Motion {
     pub length: f64,
     /// Weight W of the step, without dimension. A small weight is a long step.
     pub weight: f64,
-    /// Stiffness k_0, N/m: the force scale over the displacement scale of the increment, at most the mean
-    /// stiffness of the elastic contacts.
+    /// Stiffness k_0, N/m: the force scale of the increment over the travel below which a motion is none.
     pub stiffness: f64,
     /// Relative masses by body: of the translations (1), and of the rotation (m^2).
     pub masses: Vec<[f64; 2]>,

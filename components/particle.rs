@@ -63,9 +63,3 @@ pub struct MaterialIndex(pub u32);
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct SetAside;
-
-/// Marks a particle that a rejected solution moved far: it is part of a mechanism. The geometric
-/// stiffness of its taut bonds stays in the program in later increments.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
-pub struct Swinging;

@@ -15,7 +15,7 @@ use clastic_components::contact::{BodyTable, BondRow, WallRow};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::link::Link;
 use clastic_components::material::ContactLaw;
-use clastic_components::particle::{MaterialIndex, Particle, SetAside, Swinging};
+use clastic_components::particle::{MaterialIndex, Particle, SetAside};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
 use clastic_components::wall_shape::WallShape;
@@ -72,7 +72,6 @@ fn register_bodies(app: &mut App) {
         .register_component::<BodyId, ContactLaw>("contact_law")
         .register_component::<BodyId, BodyDrives>("drives")
         .register_component::<BodyId, AppliedLoad>("applied_load")
-        .register_component::<BodyId, Swinging>("swinging")
         .register_component::<BodyId, SetAside>("set_aside")
         .register_component::<BodyId, BodyExternalForce>("external_force")
         .register_component::<BodyId, RigidGroup>("rigid_group")
@@ -113,7 +112,6 @@ type ParticleQuery<'w, 's> = Query<
         &'static MaterialIndex,
         &'static BodyDrives,
         &'static AppliedLoad,
-        Has<Swinging>,
         Has<SetAside>,
     ),
 >;
@@ -194,7 +192,6 @@ fn number_rows(
     bodies.materials.resize(n, 0);
     bodies.drives.resize(n, Default::default());
     bodies.loads.resize(n, Default::default());
-    bodies.swinging.resize(n, false);
     bodies.set_aside.resize(n, false);
 }
 
@@ -211,7 +208,6 @@ fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
         material,
         drives,
         load,
-        swinging,
         set_aside,
     ) in particles
     {
@@ -228,7 +224,6 @@ fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
         bodies.materials[i] = material.0;
         bodies.drives[i] = drives.0;
         bodies.loads[i] = load.ramps();
-        bodies.swinging[i] = swinging;
         bodies.set_aside[i] = set_aside;
     }
     let n = bodies.particles;

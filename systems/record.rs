@@ -139,7 +139,7 @@ fn record_state(
     out.fraction = progress.fraction;
     out.time = progress.time;
     let carrying = Carrying::new(&program, &solution);
-    // Springs of swinging grains and of plugins come after the contacts.
+    // Ties of taut bonds and interactions of plugins come after the contacts.
     let listed = 0..solution.forces.len().min(contacts.0.len());
     out.contacts = listed.filter(|k| carrying.is_carrying(*k)).count();
     out.potential_contacts = contacts.0.len();

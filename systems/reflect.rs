@@ -94,7 +94,6 @@ impl Plugin for ReflectPlugin {
             observation::Timings,
             particle::MaterialIndex,
             particle::SetAside,
-            particle::Swinging,
             step_control::StepControl,
             rigid_group::RigidGroup,
             rigid_group::ContactForce,

@@ -144,7 +144,6 @@ pub fn assemble_interactions(
         bodies,
         contacts,
         &settings.analysis,
-        (&found.restraints, trial.attempt.ties_all()),
         corrections,
         &program.last_forces,
         interactions,

@@ -4,13 +4,12 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{BestUnconverged, Centre, Corrections, Restraints, Unconverged};
+use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconverged};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
 use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
-use crate::assemble_program::taut;
 use crate::ending;
 use crate::places::{moves_most, near, worst_place};
 use crate::turns::too_far;
@@ -29,7 +28,6 @@ pub fn judge(
     contacts: Res<ContactTable>,
     mut centre: ResMut<Centre>,
     mut corrections: ResMut<Corrections>,
-    mut restraints: ResMut<Restraints>,
     mut best: ResMut<BestUnconverged>,
     mut attempt: ResMut<Attempt>,
 ) {
@@ -73,13 +71,7 @@ pub fn judge(
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
     let in_pass = fails && corrections.passes > 0;
-    let is_unfound = seeks_equilibrium && matches!(attempt.verdict, Verdict::Unconverged(_));
-    if is_static
-        && (in_pass || is_unfound)
-        && taut::tie_all(&bodies, &program, &corrections, &mut restraints)
-    {
-        attempt.verdict = Verdict::Again;
-    } else if in_pass {
+    if in_pass {
         // A guess of the end proves nothing.
         let is_elastic = corrections.idle_motion.is_some();
         let why = match std::mem::take(&mut attempt.verdict) {

@@ -1,7 +1,7 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
-//! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`], [`restraints`],
+//! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`],
 //! [`loose_grains`], [`push_out`], [`reached`], [`through_walls`], [`dense`]. [`one_round`] then collects the bonds
 //! on a limit where no judge has chosen others. For a step of a motion only [`converged`],
 //! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
@@ -91,7 +91,6 @@ impl Plugin for AttemptPlugin {
                     // motion.
                     carry_members.run_if(has_groups).run_if(impossible),
                     closing_mechanism::judge.run_if(impossible),
-                    restraints::judge.run_if(impossible),
                     loose_grains::judge.run_if(impossible),
                     motion::judge_rest.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),

@@ -39,7 +39,8 @@ pub fn judge(
     let all_regularised = attempt.effort() == Some(Effort::Regularised);
     let tables = (&*bodies, &*contacts, &*program, &*solution);
     attempt.turn = of_bonded(&bodies, (grain, turn));
-    let is_new = restrain(tables, &acceptance, &mut restraints, all_regularised);
+    // With all grains regularised another regularised grain changes nothing.
+    let is_new = !all_regularised && restrain(tables, &acceptance, &mut restraints);
     attempt.verdict = if is_new {
         Verdict::Again
     } else {

@@ -23,6 +23,7 @@ use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
+use crate::assemble_program::taut;
 use crate::moved::Moved;
 
 /// Tables of an increment and the place of its geometry.
@@ -127,9 +128,8 @@ impl Increment<'_> {
             }
         }
         // A tie represents the turned force of its bond.
-        let others = contacts.0.len() + bodies.links.len();
-        let ties = program.interactions.iter().zip(&solution.forces).skip(others);
-        for (c, f) in ties {
+        for (_, tie) in taut::ties(bodies, contacts, program) {
+            let (c, f) = (&program.interactions[tie], &solution.forces[tie]);
             for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
                 add(program, &mut loads, body as usize, sign * f[0] * c.normal, 0.0);
                 add(program, &mut all, body as usize, sign * f[0] * c.normal, 0.0);

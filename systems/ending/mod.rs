@@ -31,7 +31,7 @@ use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable, WallRow};
-use clastic_components::findings::{Corrections, Guesses, Restraints};
+use clastic_components::findings::{Corrections, Guesses};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_components::wall_shape::WallShape;
 use clastic_cone::condensed::response::LinearResponse;
@@ -39,7 +39,6 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
-use crate::assemble_program::taut;
 use crate::places::digits;
 use crate::turns::{carrying, furthest, of_bonded, of_loaded};
 
@@ -87,7 +86,6 @@ pub fn judge(
     tables: Tables,
     mut stiffness: ResMut<Stiffness>,
     mut state: ResMut<Corrections>,
-    mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
     let Tables { bodies, program, solution, .. } = &tables;
@@ -146,10 +144,6 @@ pub fn judge(
         let guess = motion.next(&mut state.guesses, (&idle, growth), solution, over);
         state.list = increment.about(&guess, &solution.forces);
         state.passes += 1;
-        attempt.verdict = Verdict::Again;
-    } else if is_static && is_elastic && taut::tie_all(bodies, program, state, &mut restraints) {
-        state.guesses.begin_anew();
-        state.passes = 1;
         attempt.verdict = Verdict::Again;
     } else if is_lost {
         attempt.turn = far.and_then(|far| of_bonded(bodies, far));

@@ -63,6 +63,7 @@ use glam::DVec2;
 use self::dynamic::book_bodies;
 use self::interactions::{Before, Part, Tables, after_rupture, book, gap_at};
 use self::quasi_static::Starts;
+use crate::assemble_program::taut;
 use crate::schedule::{ClasticHalted, Increment, IncrementSystems, committed};
 use crate::state::RegisterState;
 
@@ -203,7 +204,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     } else {
         // Forces that ended before a followed motion were booked in that motion.
         let ended = if motion.stored.is_some() { &[][..] } else { &ledger.released };
-        let mut starts = Starts::new(&solved.draft.0, ended, program, solution);
+        let mut starts = Starts::new(&solved.draft.0, ended, &tables);
         let stored = book(&mut e, &tables, &before, is_broken, |e, part| {
             release(part);
             starts.book(e, &tables, part);
@@ -213,10 +214,16 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
         stored
     };
     // Interactions of an embedding program lie outside the specimen.
-    let extra = program.interactions.iter().zip(&solution.forces).skip(solved.contacts.0.len());
-    for (c, f) in extra {
+    let ties: Vec<_> = taut::ties(bodies, &solved.contacts, program).map(|(_, tie)| tie).collect();
+    for k in solved.contacts.0.len()..program.interactions.len() {
+        let (c, f) = (&program.interactions[k], &solution.forces[k]);
         let d = program.kinematics(c, &solution.displacements);
         let work = |d: [f64; 3]| f[0] * d[0] + f[1] * d[1] + f[2] * d[2];
+        if ties.binary_search(&k).is_ok() {
+            // The energy of the bond that the turn of its normal stores.
+            e.turning += 0.5 * work(d);
+            continue;
+        }
         e.external -= work(d);
         if let Some(mean) = &mean {
             e.numerical += work(program.kinematics(c, mean)) - work(d);

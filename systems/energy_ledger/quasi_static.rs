@@ -12,9 +12,9 @@
 
 use clastic_components::contact_history::{ContactHistory, ContactMemory};
 use clastic_components::energy::{Energies, Released};
-use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::interactions::{Part, Tables};
+use crate::assemble_program::taut;
 
 /// Forces of the interactions at the start of a static increment.
 pub struct Starts<'a> {
@@ -29,19 +29,17 @@ pub struct Starts<'a> {
 }
 
 impl<'a> Starts<'a> {
-    /// Before any interaction is booked, all have their final forces. Interactions without a
-    /// contact keep them.
-    pub fn new(
-        memory: &'a ContactHistory,
-        released: &'a [Released],
-        program: &ConeProgram,
-        solution: &ConeSolution,
-    ) -> Self {
+    /// Before any interaction is booked, all have their final forces. Links and interactions of plugins
+    /// keep them; ties have none at the start, where the force of the bond has its direction.
+    pub fn new(memory: &'a ContactHistory, released: &'a [Released], tables: &Tables) -> Self {
+        let Tables { bodies, contacts, program, solution, .. } = tables;
         let is_rigid = program.interactions.iter().all(|c| {
             [c.normal_compliance, c.tangential_compliance, c.rolling_compliance] == [0.0; 3]
         });
         let released: &[Released] = if is_rigid { &[] } else { released };
-        Self { memory, released, is_rigid, forces: solution.forces.clone() }
+        let mut forces = solution.forces.clone();
+        taut::ties(bodies, contacts, program).for_each(|(_, tie)| forces[tie] = [0.0; 3]);
+        Self { memory, released, is_rigid, forces }
     }
 
     /// Adds the work of an interaction.

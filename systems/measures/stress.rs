@@ -16,6 +16,7 @@ use clastic_cone::residuals::{displacement_scale, force_scale};
 
 use super::groups;
 use super::principal::Principal;
+use crate::assemble_program::taut;
 use crate::control_walls::wall_distance;
 
 type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static BodyPosition)>;
@@ -39,7 +40,8 @@ pub fn average_stress(
     sum.map(|row| row.map(|s| s / (area * thickness)))
 }
 
-/// Sum of f (x) l over all contacts, each with a weight, N m.
+/// Sum of f (x) l over all contacts, each with a weight, N m. The force of a taut bond is that of its
+/// contact and of its tie.
 fn moments(
     bodies: &BodyTable,
     contacts: &ContactTable,
@@ -48,9 +50,11 @@ fn moments(
     weight: impl Fn(&Contact) -> f64,
 ) -> [[f64; 2]; 2] {
     let mut sum = [[0.0; 2]; 2];
-    let forces = program.interactions.iter().zip(&solution.forces);
-    for (contact, (c, f)) in contacts.0.iter().zip(forces) {
-        let (force, l) = (c.force(f), contact.normal * branch(bodies, contact));
+    let own = (0..contacts.0.len()).map(|k| (k, k));
+    for (contact, k) in own.chain(taut::ties(bodies, contacts, program)) {
+        let contact = &contacts.0[contact];
+        let force = program.interactions[k].force(&solution.forces[k]);
+        let l = contact.normal * branch(bodies, contact);
         let weight = weight(contact);
         for i in 0..2 {
             for j in 0..2 {

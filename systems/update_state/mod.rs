@@ -11,11 +11,11 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
-use clastic_components::findings::{EventSearch, Restraints, Ruptures};
+use clastic_components::findings::{EventSearch, Ruptures};
 use clastic_components::increment::{
     AnalysisKind, Avalanche, ClasticAnalysis, ClasticProgress, RuptureOrder, RuptureRules,
 };
-use clastic_components::particle::{SetAside, Swinging};
+use clastic_components::particle::SetAside;
 
 pub use self::external_forces::external_forces;
 pub use self::move_bodies::move_bodies;
@@ -33,20 +33,13 @@ impl Plugin for UpdateStatePlugin {
                 external_forces,
                 move_bodies,
                 remember_contacts,
-                (remember_swinging, remember_set_aside),
+                remember_set_aside,
                 advance_progress,
                 lap(|t| &mut t.update),
             )
                 .chain()
                 .in_set(IncrementSystems::Update),
         );
-    }
-}
-
-/// Marks particles that the attempts found to be [`Swinging`].
-pub fn remember_swinging(bodies: Res<BodyTable>, found: Res<Restraints>, mut commands: Commands) {
-    for (i, _) in found.swinging.iter().enumerate().filter(|(i, s)| **s && !bodies.swinging[*i]) {
-        commands.entity(bodies.entities[i]).insert(Swinging);
     }
 }
 

@@ -125,7 +125,8 @@ fn direct_shear_has_slope_4_mn_per_m_and_breaks_at_42_48_and_54_n() {
 
 /// Moving a centre turns the bond; with a force that keeps its direction the exact answer for the
 /// frame (cos a, sin a) at the start of the increment follows from
-/// `p = P/cos a - q tan a`, `q = c A + mu p`.
+/// `p = P/cos a - (q + t) tan a`, `q = c A + mu p`, with the force t that the turn of the last
+/// increment gives to a tension across the frame.
 #[test]
 fn direct_shear_by_displacement_breaks_where_the_turned_frame_says() {
     for (name, normal, strength) in SHEAR {
@@ -141,7 +142,9 @@ fn direct_shear_by_displacement_breaks_where_the_turned_frame_says() {
             let tangent = rupture.normal.y / rupture.normal.x;
             // The bond leans the way it is sheared, and what shears it pulls at it as well.
             let tilt = tangent.abs();
-            let exact = (48.0 + 0.6 * normal / rupture.normal.x) / (1.0 + 0.6 * tilt);
+            let turned = (-normal).max(0.0) * step / (2.0 * RADIUS);
+            let exact =
+                (48.0 + 0.6 * (normal / rupture.normal.x - turned * tilt)) / (1.0 + 0.6 * tilt);
             assert_relative(rupture.q.abs(), exact, EXACT);
             // Not the small-displacement value: the tilt is about 1e-3.
             assert!((rupture.q.abs() / strength - 1.0 + 0.6 * tilt).abs() < 1e-6);

@@ -396,7 +396,7 @@ fn bonds_of_a_last_stage_that_cements_are_counted() {
     }
 }
 
-/// Springs that hold swinging grains were counted as contacts: 876 in the history for 761 rows of the
+/// Ties of taut bonds were counted as contacts: 876 in the history for 761 rows of the
 /// table.
 #[test]
 fn contacts_of_the_history_are_those_of_the_table_that_carry_force() {
