@@ -57,14 +57,13 @@ fn scale_rest(part: &mut f64, factor: f64) {
 pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
     let mut fields = fields![CondensedSettings:
         tolerance, safety, margin, loose_margin, large, max_start, warm_product,
-        newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.patience,
-        newton.max_late_unbalance, newton.damping, newton.min_damping,
-        newton.line_search.max_slope, newton.line_search.max_evaluations,
+        newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.damping,
+        newton.line_search.max_slope,
+        newton.line_search.max_evaluations,
         local.short_step, local.min_unbalance, local.share, local.rings, local.max_bodies,
         local.max_interactions, local.max_gap, local.residual, local.goal, local.fast,
         local.newton.max_iterations, local.newton.tiny_step, local.newton.max_tiny_steps,
-        local.newton.patience, local.newton.max_late_unbalance, local.newton.damping,
-        local.newton.min_damping, local.newton.line_search.max_slope,
+        local.newton.damping, local.newton.line_search.max_slope,
         local.newton.line_search.max_evaluations,
         interior.max_iterations, interior.max_start_force, interior.start,
         interior.max_start_compliance, interior.proximal, interior.min_proximal,

@@ -36,8 +36,6 @@ pub fn solve(
     local: &LocalSettings,
     goal: f64,
 ) -> Newton {
-    let patience = if program.is_damped() { newton.max_iterations } else { newton.patience };
-    let newton = NewtonSettings { patience, ..*newton };
     let goal = Goal { relative: goal, absolute: 0.0 };
     let pairs = program.locals.iter().map(|l| program.pair(l));
     let adjacency = Adjacency::new(program.free.len(), pairs);
@@ -50,9 +48,9 @@ pub fn solve(
         is_shared: matrix.is_shared(),
     };
     if program.locals.iter().any(|l| l.has[2]) {
-        iterate::<RollingSpring, 3>(program, matrix, start, &newton, goal, &mut elimination)
+        iterate::<RollingSpring, 3>(program, matrix, start, newton, goal, &mut elimination)
     } else {
-        iterate::<Spring, 2>(program, matrix, start, &newton, goal, &mut elimination)
+        iterate::<Spring, 2>(program, matrix, start, newton, goal, &mut elimination)
     }
 }
 

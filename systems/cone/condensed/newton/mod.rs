@@ -95,11 +95,8 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
     let mut damping = settings.damping;
     loop {
         point.evaluate(program);
-        let is_lost = iterations >= settings.patience
-            && point.unbalance > settings.max_late_unbalance * point.force;
-        let gives_up = iterations >= settings.max_iterations
-            || tiny_steps >= settings.max_tiny_steps
-            || is_lost;
+        let gives_up =
+            iterations >= settings.max_iterations || tiny_steps >= settings.max_tiny_steps;
         if !point.is_finite() || point.is_at(goal) || gives_up {
             break;
         }
@@ -111,7 +108,7 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
         if !point.find_step(program, matrix, &mut step) {
             break;
         }
-        damping = (0.5 * damping).max(settings.min_damping);
+        damping *= 0.5;
         step.length = point.search(program, &step.du, &step.de, &settings.line_search);
         between.change_step(program, &point, &mut step, &settings.line_search);
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
