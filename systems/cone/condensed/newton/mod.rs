@@ -18,13 +18,13 @@ use super::scaled::Scaled;
 use super::settings::{LineSearchSettings, NewtonSettings};
 use super::spring::Elastic;
 
-/// Unbalance at which the iteration is done: the looser of the two counts.
+/// Unbalance at which the iteration is done.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     /// Over the maximum force.
-    pub relative: f64,
-    /// In units of force.
-    pub absolute: f64,
+    pub unbalance: f64,
+    /// Force that counts where all forces are smaller.
+    pub min_force: f64,
 }
 
 /// Result of the iteration.
@@ -89,7 +89,7 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
     goal: Goal,
     between: &mut impl Between<S, F>,
 ) -> Newton {
-    let mut point = Point::<S, F>::new(program, start);
+    let mut point = Point::<S, F>::new(program, start, goal);
     let mut step = Step::new(program);
     let (mut iterations, mut tiny_steps) = (0, 0);
     let mut damping = settings.damping;
@@ -97,7 +97,7 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
         point.evaluate(program);
         let gives_up =
             iterations >= settings.max_iterations || tiny_steps >= settings.max_tiny_steps;
-        if !point.is_finite() || point.is_at(goal) || gives_up {
+        if !point.is_finite() || point.is_done() || gives_up {
             break;
         }
         if between.move_bodies(program, &mut point) {
@@ -114,7 +114,7 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
         point.make(&step);
     }
-    let (s, converged) = (point.forces(), point.is_at(goal));
+    let (s, converged) = (point.forces(), point.is_done());
     point.u.truncate(program.free.len());
     Newton { s, u: point.u, iterations, converged }
 }
@@ -128,7 +128,7 @@ mod tests {
     use super::*;
     use crate::program::ConeProgram;
 
-    const GOAL: Goal = Goal { relative: 1e-12, absolute: 0.0 };
+    const GOAL: Goal = Goal { unbalance: 1e-12, min_force: 0.0 };
 
     fn solve(program: &ConeProgram) -> (Newton, Vec<usize>) {
         let (scaled, mut matrix, place) = posed(program);

@@ -75,10 +75,6 @@ pub struct LocalSettings {
     ///
     /// 0.7: decision 001.
     pub short_step: f64,
-    /// Minimum unbalance at which bodies are eliminated, over the maximum force.
-    ///
-    /// 1e-9: decision 001.
-    pub min_unbalance: f64,
     /// Unbalance above which a body is eliminated, as a fraction of the maximum unbalance.
     ///
     /// 0.05: fractions of 1 to 10 % change the time by a tenth (decision 007).
@@ -97,19 +93,6 @@ pub struct LocalSettings {
     ///
     /// 32: a disk among equal ones has at most six contacts.
     pub max_interactions: usize,
-    /// Maximum gap of a contact that joins two bodies to a patch.
-    ///
-    /// 50: far enough that the step of a patch does not close it unseen. Inert in decision 001.
-    pub max_gap: f64,
-    /// Unbalance that a patch may keep, over the maximum unbalance before.
-    ///
-    /// 1e-8: if all but a few clusters are elastic, the unbalance of a patch becomes the residual
-    /// of the whole program after the next step.
-    pub residual: f64,
-    /// Unbalance that a patch may keep, over its maximum force: the looser of the two goals counts.
-    ///
-    /// 1e-10: decision 001.
-    pub goal: f64,
     /// Factor by which the step of a fast body exceeds the [`fast_quantile`](Self::fast_quantile) of
     /// all steps, and by which a step must be longer without the fast bodies for them to be left
     /// behind.
@@ -128,14 +111,10 @@ impl Default for LocalSettings {
     fn default() -> Self {
         Self {
             short_step: 0.7,
-            min_unbalance: 1e-9,
             share: 0.05,
             rings: 2,
             max_bodies: 1500,
             max_interactions: 32,
-            max_gap: 50.0,
-            residual: 1e-8,
-            goal: 1e-10,
             fast: 2.0,
             fast_quantile: 0.97,
             newton: NewtonSettings {
