@@ -56,18 +56,15 @@ fn scale_rest(part: &mut f64, factor: f64) {
 /// All fields of the condensed solver.
 pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
     let mut fields = fields![CondensedSettings:
-        tolerance, safety, margin, loose_margin, large, max_start, warm_product,
-        newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.patience,
-        newton.max_late_unbalance, newton.damping, newton.min_damping,
+        tolerance, safety, margin, large, max_start, warm_product,
+        newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.damping,
         newton.line_search.max_slope, newton.line_search.max_evaluations,
-        local.short_step, local.min_unbalance, local.share, local.rings, local.max_bodies,
-        local.max_interactions, local.max_gap, local.residual, local.goal, local.fast,
-        local.newton.max_iterations, local.newton.tiny_step, local.newton.max_tiny_steps,
-        local.newton.patience, local.newton.max_late_unbalance, local.newton.damping,
-        local.newton.min_damping, local.newton.line_search.max_slope,
+        local.short_step, local.share, local.rings, local.max_bodies, local.max_interactions,
+        local.fast, local.newton.max_iterations, local.newton.tiny_step,
+        local.newton.max_tiny_steps, local.newton.damping, local.newton.line_search.max_slope,
         local.newton.line_search.max_evaluations,
         interior.max_iterations, interior.max_start_force, interior.start,
-        interior.max_start_compliance, interior.proximal, interior.min_proximal,
+        interior.proximal, interior.min_proximal,
         interior.min_compliance, interior.product_weight, interior.near, interior.slow,
         interior.patience, interior.progress, interior.max_decisions, interior.decided,
     ];
@@ -81,11 +78,9 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
 pub fn of_coulomb() -> Vec<Field<CoulombSettings>> {
     let mut fields = fields![CoulombSettings:
         product, share, max_iterations, arc_products, max_arc, max_sharpening, sharp, progress,
-        refined,
-        interior.regularisation, interior.short_step, interior.max_short_steps,
+        refined, interior.regularisation, interior.short_step, interior.max_short_steps,
         interior.patience, interior.centring_step,
-        arc.regularisation, arc.close, arc.growth, arc.shortening, arc.recovery,
-        arc.max_corrections, arc.divergence,
+        arc.regularisation, arc.close, arc.shortening, arc.divergence,
     ];
     fields.push(("interior.min_centring", |s, factor| {
         scale_rest(&mut s.interior.min_centring, factor);

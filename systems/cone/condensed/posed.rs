@@ -103,8 +103,7 @@ impl<'a> Posed<'a> {
     /// the program, but displacements that follow from its forces do not. The iteration then
     /// continues until the balance conserves momentum.
     pub fn newton(&mut self, start: &[[f64; 3]], iterations: &mut u32) -> (Newton, ConeSolution) {
-        let settings = self.settings;
-        let margin = if self.demand.loose { settings.loose_margin } else { settings.margin };
+        let margin = self.settings.margin;
         let goal = self.demand.goal(margin);
         let (result, solution) = self.newton_to(start, goal, iterations);
         let is_enough = solution.status == SolveStatus::Solved || !result.converged;

@@ -57,8 +57,7 @@ pub fn follow(
         let off = largest_change(system, &z, &correction) + (back / tau).abs();
         let near = off < settings.close;
         bad = if near { 0 } else { bad + 1 };
-        let lost = !near
-            && (bad > settings.max_corrections || (bad > 1 && off > settings.divergence * before));
+        let lost = bad > 1 && off > settings.divergence * before;
         if !off.is_finite() || lost {
             let Some(last) = &mut saved else { return None };
             last.length *= settings.shortening;
@@ -81,14 +80,10 @@ pub fn follow(
             let direction = if *sign.get_or_insert(now) == now { -1.0 } else { 1.0 };
             let mut ahead = Vector::zeros(&z);
             ahead.add(direction, &tangent);
-            let mut room = boundary(system, &z, &ahead);
-            if direction < 0.0 {
-                room = room.min(tau);
-            }
-            let growth = fastest_growth(system, &z, &ahead).max(direction / tau).max(1e-300);
-            let length = (settings.reach * grow * room).min(settings.growth * grow / growth);
+            // A predictor changes tau by its length.
+            let length = settings.reach * grow * boundary(system, &z, &ahead).min(tau);
             if off < 0.5 * settings.close {
-                grow = (settings.recovery * grow).min(1.0);
+                grow = 1.0;
             }
             let last = Saved { z: z.clone(), tangent: ahead, tau, direction, length };
             z.add(length, &last.tangent);
@@ -135,15 +130,4 @@ fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
         }
     }
     largest
-}
-
-/// Maximum relative growth of a slack or multiplier.
-fn fastest_growth(system: &System, z: &Vector, step: &Vector) -> f64 {
-    let mut fastest = 0.0_f64;
-    for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
-        for q in cell.each_limit() {
-            fastest = fastest.max(d.w[q] / x.w[q]).max(d.l[q] / x.l[q]);
-        }
-    }
-    fastest
 }

@@ -2,8 +2,7 @@
 //!
 //! Forces are in units of the maximum force of the start, displacements in units of the program's
 //! displacement scale, and a complementarity product is a force times a displacement.
-//! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field, except
-//! those of the arc.
+//! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field.
 
 /// Settings of the solver of Coulomb's law.
 #[non_exhaustive]
@@ -79,7 +78,7 @@ impl Default for CoulombSettings {
 pub struct CoulombInteriorSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
     ///
-    /// 1e-8: decision 001.
+    /// 1e-8: with 1e-10 `poured_bin` takes 13 % more iterations.
     pub regularisation: f64,
     /// Length below which a step is short, as a fraction of the step to the target.
     ///
@@ -101,7 +100,7 @@ pub struct CoulombInteriorSettings {
     pub centring_step: f64,
     /// Minimum target after such a step, over the mean product; at most 1.
     ///
-    /// 0.8: no measurement is on record.
+    /// 0.8: decision 001.
     pub min_centring: f64,
 }
 
@@ -125,50 +124,30 @@ impl Default for CoulombInteriorSettings {
 pub struct ArcSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
     ///
-    /// 1e-10: no measurement is on record.
+    /// 1e-10: with 1e-8 `hopper` takes 4 % more iterations, `rotating_drum_small` with a tolerance of
+    /// 1e-3 20 % more, `poured_bin` 7 % fewer.
     pub regularisation: f64,
     /// Relative change of slacks and multipliers by a correction below which the point is on the
     /// path.
     ///
-    /// 0.3: no measurement is on record.
+    /// 0.3: with half and double `poured_bin` takes 13 and 17 % more iterations.
     pub close: f64,
     /// Part of the way to the boundary that a step takes.
     ///
-    /// 0.9: no measurement is on record.
+    /// 0.9: decision 001.
     pub reach: f64,
-    /// Maximum relative growth of a slack, a multiplier or tau in a predictor.
-    ///
-    /// 3: no measurement is on record.
-    pub growth: f64,
     /// Factor that shortens a predictor whose corrections do not lead to the path.
     ///
-    /// 0.3: no measurement is on record.
+    /// 0.3: decision 001.
     pub shortening: f64,
-    /// Factor by which the next predictors grow again after a quick correction.
-    ///
-    /// 1.6: no measurement is on record.
-    pub recovery: f64,
-    /// Maximum number of corrections of one predictor.
-    ///
-    /// 4: no measurement is on record.
-    pub max_corrections: u32,
     /// Ratio of the lengths of two corrections above which they diverge.
     ///
-    /// 2: no measurement is on record.
+    /// 2: decision 001.
     pub divergence: f64,
 }
 
 impl Default for ArcSettings {
     fn default() -> Self {
-        Self {
-            regularisation: 1e-10,
-            close: 0.3,
-            reach: 0.9,
-            growth: 3.0,
-            shortening: 0.3,
-            recovery: 1.6,
-            max_corrections: 4,
-            divergence: 2.0,
-        }
+        Self { regularisation: 1e-10, close: 0.3, reach: 0.9, shortening: 0.3, divergence: 2.0 }
     }
 }

@@ -216,10 +216,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             s[f] = trial[f].clamp(-strength, strength);
         }
         // Inside of a limit the distance to it is the slack; outside, the excess is the multiplier.
-        // A contact that is far softer than the others must not start with far larger products.
         let is_rigid = local.compliance[0] == 0.0;
-        let compliance =
-            if is_rigid { 1.0 } else { local.compliance[0].min(settings.max_start_compliance) };
         // The multipliers of a rigid open contact add up to its gap: the stationarity of p. Near
         // rest gaps are thousands of displacements, and smaller multipliers would shorten the steps
         // of all other interactions. An interaction with strength does not open by itself.
@@ -227,14 +224,13 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let gap = if has_strength { 0.0 } else { (law.linear[0] - e[0]).max(0.0) };
         let multiplier = gap / (0..Q).map(|q| -local.limits[q][0]).sum::<f64>();
         let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
-        let start = settings.start;
+        let product = settings.start * settings.start;
         for q in 0..Q {
-            let slack = law.right[q] - law.limit(q, &s);
-            let excess = if is_rigid { multiplier } else { law.limit(q, &beyond) };
-            let x = slack.max(0.0) - excess.max(0.0);
-            let root = x.hypot(2.0 * start);
-            slacks.w[q] = 0.5 * if x > 0.0 { x + root } else { 4.0 * start * start / (root - x) };
-            slacks.lambda[q] = start * start / slacks.w[q] * compliance;
+            let left = law.right[q] - law.limit(q, &s);
+            let excess = local.compliance[0] * law.limit(q, &beyond);
+            let excess = if is_rigid { multiplier } else { excess };
+            let w = slack(left.max(0.0) - excess.max(0.0), product);
+            (slacks.w[q], slacks.lambda[q]) = (w, product / w);
         }
         Self {
             number,

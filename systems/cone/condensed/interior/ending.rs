@@ -69,8 +69,7 @@ impl<'a> Ending<'a> {
         {
             return Some(end);
         }
-        // A method that still makes way has not stalled, however far it came before.
-        let stalls = is_slow && !iteration.diverges() && self.stalls();
+        let stalls = !iteration.diverges() && self.stalls();
         if stalls || self.iterations >= self.settings.max_iterations {
             return Some(self.limit());
         }

@@ -3,8 +3,8 @@
 //!
 //! After a rupture a few contacts out of thousands change their state, and a cluster that came
 //! loose dominates the global direction. One global step length then serves one cluster per
-//! factorisation. Each cluster on its own is a small problem ([`patches`]). It is solved to high
-//! accuracy: if all but a few clusters are elastic, its residual becomes the residual of the whole
+//! factorisation. Each cluster on its own is a small problem ([`patches`]). It is solved to the goal of
+//! the whole program: if all but a few clusters are elastic, its unbalance becomes that of the whole
 //! program after the next step. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai
 //! and Keyes 2002.)
 //!
@@ -17,6 +17,7 @@ mod patches;
 
 use self::fast::SlowPart;
 use self::patches::Patches;
+use super::MIN_FORCE;
 use super::matrix::BodyMatrix;
 use super::newton::{Between, Goal, Newton, Point, Step, iterate};
 use super::rolling_spring::RollingSpring;
@@ -36,23 +37,22 @@ pub fn solve(
     local: &LocalSettings,
     goal: f64,
 ) -> Newton {
-    let patience = if program.is_damped() { newton.max_iterations } else { newton.patience };
-    let newton = NewtonSettings { patience, ..*newton };
-    let goal = Goal { relative: goal, absolute: 0.0 };
+    let goal = Goal { unbalance: goal, min_force: MIN_FORCE };
     let pairs = program.locals.iter().map(|l| program.pair(l));
     let adjacency = Adjacency::new(program.free.len(), pairs);
     let mut elimination = Elimination {
         adjacency,
         settings: local,
+        goal,
         last_length: 0.0,
         fast: Vec::new(),
         is_done: false,
         is_shared: matrix.is_shared(),
     };
     if program.locals.iter().any(|l| l.has[2]) {
-        iterate::<RollingSpring, 3>(program, matrix, start, &newton, goal, &mut elimination)
+        iterate::<RollingSpring, 3>(program, matrix, start, newton, goal, &mut elimination)
     } else {
-        iterate::<Spring, 2>(program, matrix, start, &newton, goal, &mut elimination)
+        iterate::<Spring, 2>(program, matrix, start, newton, goal, &mut elimination)
     }
 }
 
@@ -60,6 +60,8 @@ pub fn solve(
 struct Elimination<'a> {
     adjacency: Adjacency,
     settings: &'a LocalSettings,
+    /// Goal of the iteration.
+    goal: Goal,
     /// Length of the last step; 0 before the first.
     last_length: f64,
     /// Bodies that the last step left behind; empty if it left none.
@@ -73,8 +75,7 @@ struct Elimination<'a> {
 impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
     fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool {
         let is_first = !std::mem::replace(&mut self.is_done, true);
-        let is_short = point.unbalance > self.settings.min_unbalance * point.force
-            && self.last_length < self.settings.short_step;
+        let is_short = self.last_length < self.settings.short_step;
         let moved =
             is_first && (is_short || !self.fast.is_empty()) && self.eliminate(program, point);
         if !moved {
@@ -120,8 +121,8 @@ impl Elimination<'_> {
         let settings = self.settings;
         let is_seed =
             |i: usize| unbalance[i] > settings.share * maximum || self.fast.get(i) == Some(&true);
-        let patches = Patches::new(program, &self.adjacency, settings, &point.e).grow(is_seed);
-        let goal = Goal { relative: settings.goal, absolute: settings.residual * maximum };
+        let patches = Patches::new(program, &self.adjacency, settings).grow(is_seed);
+        let goal = Goal { min_force: point.force, ..self.goal };
         let solutions = patch::balance_all::<S, F>(
             program,
             &self.adjacency,

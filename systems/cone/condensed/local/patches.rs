@@ -11,22 +11,15 @@ pub fn is_wall(adjacency: &Adjacency, settings: &LocalSettings, body: usize) -> 
 }
 
 /// Finds patches: bodies that are joined by interactions and are solved for together.
-pub struct Patches<'a, const F: usize> {
+pub struct Patches<'a> {
     program: &'a Scaled,
     adjacency: &'a Adjacency,
     settings: &'a LocalSettings,
-    /// Kinematics by interaction.
-    e: &'a [[f64; F]],
 }
 
-impl<'a, const F: usize> Patches<'a, F> {
-    pub fn new(
-        program: &'a Scaled,
-        adjacency: &'a Adjacency,
-        settings: &'a LocalSettings,
-        e: &'a [[f64; F]],
-    ) -> Self {
-        Self { program, adjacency, settings, e }
+impl<'a> Patches<'a> {
+    pub fn new(program: &'a Scaled, adjacency: &'a Adjacency, settings: &'a LocalSettings) -> Self {
+        Self { program, adjacency, settings }
     }
 
     /// The patches around the seeds, each with its bodies in ascending order.
@@ -49,14 +42,11 @@ impl<'a, const F: usize> Patches<'a, F> {
             && !self.program.images.is_cell(i)
     }
 
-    /// The other body of interaction `k`, if the interaction joins it to body `i`. Bonds do, and
-    /// contacts that are closed or nearly closed.
-    fn neighbour(&self, k: usize, i: usize) -> Option<usize> {
-        let l = &self.program.locals[k];
-        let [a, b] = self.program.pair(l);
-        let is_bonded = l.count >= 3 && l.right[2] > 0.0;
-        let is_near = is_bonded || self.e[k][0] - l.linear[0] > -self.settings.max_gap;
-        is_near.then_some(if a == i { b } else { a })
+    /// The bodies that interactions join to body `i`.
+    fn neighbours(&self, i: usize) -> impl Iterator<Item = usize> {
+        let pairs =
+            self.adjacency.of(i).iter().map(|k| self.program.pair(&self.program.locals[*k]));
+        pairs.map(move |[a, b]| if a == i { b } else { a })
     }
 
     /// Adds the mobile bodies that are joined to those inside, ring by ring.
@@ -66,11 +56,8 @@ impl<'a, const F: usize> Patches<'a, F> {
             let ring = first..bodies.len();
             first = ring.end;
             for at in ring {
-                for &k in self.adjacency.of(bodies[at]) {
-                    if let Some(j) = self.neighbour(k, bodies[at])
-                        && !inside[j]
-                        && self.is_mobile(j)
-                    {
+                for j in self.neighbours(bodies[at]) {
+                    if !inside[j] && self.is_mobile(j) {
                         inside[j] = true;
                         bodies.push(j);
                     }
@@ -90,11 +77,8 @@ impl<'a, const F: usize> Patches<'a, F> {
             let mut members = vec![seed];
             let mut at = 0;
             while at < members.len() {
-                for &k in self.adjacency.of(members[at]) {
-                    if let Some(j) = self.neighbour(k, members[at])
-                        && inside[j]
-                        && !std::mem::replace(&mut seen[j], true)
-                    {
+                for j in self.neighbours(members[at]) {
+                    if inside[j] && !std::mem::replace(&mut seen[j], true) {
                         members.push(j);
                     }
                 }
@@ -115,35 +99,29 @@ mod tests {
     use super::*;
 
     /// A column of nine bodies on body 0, which is held, with a seed in its middle.
-    fn patches(change: impl Fn(&mut LocalSettings, &mut [[f64; 2]])) -> Vec<Vec<usize>> {
+    fn patches(change: impl Fn(&mut LocalSettings)) -> Vec<Vec<usize>> {
         let program = column(9, 0.1);
         let natural: Vec<usize> = (0..10).collect();
         let scaled = Scaled::new(&program, &natural);
         let adjacency = Adjacency::new(10, scaled.locals.iter().map(|l| l.bodies));
-        let (mut settings, mut e) = (LocalSettings::default(), [[0.0; 2]; 9]);
-        change(&mut settings, &mut e);
-        Patches::new(&scaled, &adjacency, &settings, &e).grow(|i| i == 5)
+        let mut settings = LocalSettings::default();
+        change(&mut settings);
+        Patches::new(&scaled, &adjacency, &settings).grow(|i| i == 5)
     }
 
     #[test]
     fn a_patch_has_the_bodies_within_the_rings() {
-        assert_eq!(patches(|_, _| {}), [[3, 4, 5, 6, 7]]);
-        assert_eq!(patches(|s, _| s.rings = 0), [[5]]);
+        assert_eq!(patches(|_| {}), [[3, 4, 5, 6, 7]]);
+        assert_eq!(patches(|s| s.rings = 0), [[5]]);
         // The held body is in no patch.
-        assert_eq!(patches(|s, _| s.rings = 20), [[1, 2, 3, 4, 5, 6, 7, 8, 9]]);
-    }
-
-    #[test]
-    fn contacts_with_a_wide_gap_join_nothing() {
-        assert_eq!(patches(|s, e| e[5][0] = -1.01 * s.max_gap), [[3, 4, 5]]);
-        assert_eq!(patches(|s, e| e[5][0] = -0.99 * s.max_gap), [[3, 4, 5, 6, 7]]);
+        assert_eq!(patches(|s| s.rings = 20), [[1, 2, 3, 4, 5, 6, 7, 8, 9]]);
     }
 
     #[test]
     fn large_patches_and_walls_are_left_out() {
-        assert_eq!(patches(|s, _| s.max_bodies = 5).len(), 1);
-        assert_eq!(patches(|s, _| s.max_bodies = 4).len(), 0);
+        assert_eq!(patches(|s| s.max_bodies = 5).len(), 1);
+        assert_eq!(patches(|s| s.max_bodies = 4).len(), 0);
         // With two interactions every body but the last is a wall.
-        assert_eq!(patches(|s, _| s.max_interactions = 1).len(), 0);
+        assert_eq!(patches(|s| s.max_interactions = 1).len(), 0);
     }
 }

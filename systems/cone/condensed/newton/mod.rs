@@ -18,13 +18,13 @@ use super::scaled::Scaled;
 use super::settings::{LineSearchSettings, NewtonSettings};
 use super::spring::Elastic;
 
-/// Unbalance at which the iteration is done: the looser of the two counts.
+/// Unbalance at which the iteration is done.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     /// Over the maximum force.
-    pub relative: f64,
-    /// In units of force.
-    pub absolute: f64,
+    pub unbalance: f64,
+    /// Force that counts where all forces are smaller.
+    pub min_force: f64,
 }
 
 /// Result of the iteration.
@@ -89,18 +89,15 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
     goal: Goal,
     between: &mut impl Between<S, F>,
 ) -> Newton {
-    let mut point = Point::<S, F>::new(program, start);
+    let mut point = Point::<S, F>::new(program, start, goal);
     let mut step = Step::new(program);
     let (mut iterations, mut tiny_steps) = (0, 0);
     let mut damping = settings.damping;
     loop {
         point.evaluate(program);
-        let is_lost = iterations >= settings.patience
-            && point.unbalance > settings.max_late_unbalance * point.force;
-        let gives_up = iterations >= settings.max_iterations
-            || tiny_steps >= settings.max_tiny_steps
-            || is_lost;
-        if !point.is_finite() || point.is_at(goal) || gives_up {
+        let gives_up =
+            iterations >= settings.max_iterations || tiny_steps >= settings.max_tiny_steps;
+        if !point.is_finite() || point.is_done() || gives_up {
             break;
         }
         if between.move_bodies(program, &mut point) {
@@ -111,13 +108,13 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
         if !point.find_step(program, matrix, &mut step) {
             break;
         }
-        damping = (0.5 * damping).max(settings.min_damping);
+        damping *= 0.5;
         step.length = point.search(program, &step.du, &step.de, &settings.line_search);
         between.change_step(program, &point, &mut step, &settings.line_search);
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
         point.make(&step);
     }
-    let (s, converged) = (point.forces(), point.is_at(goal));
+    let (s, converged) = (point.forces(), point.is_done());
     point.u.truncate(program.free.len());
     Newton { s, u: point.u, iterations, converged }
 }
@@ -131,7 +128,7 @@ mod tests {
     use super::*;
     use crate::program::ConeProgram;
 
-    const GOAL: Goal = Goal { relative: 1e-12, absolute: 0.0 };
+    const GOAL: Goal = Goal { unbalance: 1e-12, min_force: 0.0 };
 
     fn solve(program: &ConeProgram) -> (Newton, Vec<usize>) {
         let (scaled, mut matrix, place) = posed(program);

@@ -1,7 +1,6 @@
 //! A point of the iteration, its evaluation, and the step from it.
 
 use super::Goal;
-use crate::condensed::MIN_FORCE;
 use crate::condensed::line_search::line_search;
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::{Local, Scaled, add_forces, kinematics};
@@ -37,7 +36,8 @@ pub struct Point<S, const F: usize> {
     pub e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
-    /// Maximum force of the interactions, at least [`MIN_FORCE`].
+    goal: Goal,
+    /// Maximum force of the interactions, at least that of the goal.
     pub force: f64,
     /// Maximum out-of-balance force.
     pub unbalance: f64,
@@ -61,7 +61,7 @@ impl<const F: usize> Step<F> {
 }
 
 impl<S: Elastic<F>, const F: usize> Point<S, F> {
-    pub(super) fn new(program: &Scaled, start: &[[f64; 3]]) -> Self {
+    pub(super) fn new(program: &Scaled, start: &[[f64; 3]], goal: Goal) -> Self {
         let count = program.locals.len();
         Self {
             springs: program.locals.iter().map(S::new).collect(),
@@ -70,6 +70,7 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
             u: program.with_known(start),
             e: vec![[0.0; F]; count],
             gradient: vec![[0.0; 3]; program.places()],
+            goal,
             force: 0.0,
             unbalance: 0.0,
         }
@@ -79,7 +80,7 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
     pub(super) fn evaluate(&mut self, program: &Scaled) {
         program.images.spread(&mut self.u);
         program.balance_of_bodies(&self.u, &mut self.gradient);
-        let mut force = MIN_FORCE;
+        let mut force = self.goal.min_force;
         for (k, (spring, arms)) in self.springs.iter().zip(&self.arms).enumerate() {
             self.e[k] = arms.kinematics(&self.u);
             self.responses[k] = spring.respond(self.e[k]);
@@ -96,8 +97,8 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
         self.gradient.iter().flatten().all(|g| g.is_finite())
     }
 
-    pub(super) fn is_at(&self, goal: Goal) -> bool {
-        self.unbalance <= (goal.relative * self.force).max(goal.absolute)
+    pub(super) fn is_done(&self) -> bool {
+        self.unbalance <= self.goal.unbalance * self.force
     }
 
     /// Sets the matrix to the Hessian, with damping on its diagonal.
