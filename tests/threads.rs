@@ -56,7 +56,7 @@ fn rock_that_breaks() {
     let Some(Displacement(_, top)) = stage(&mut loaded.scene, "load").walls.get_mut("top") else {
         panic!("the platen is driven");
     };
-    *top *= 20.0;
+    *top *= 30.0;
     let one = after(&loaded, 7, 1);
     let (records, ..) = &one;
     // The Newton iteration ends after 16 factorisations.

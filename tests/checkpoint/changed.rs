@@ -17,7 +17,7 @@ use crate::resumed::{COULOMB, assert_same_files, copy, load, parse, resume, run}
 fn an_undecided_run_goes_on_with_other_settings() {
     // Grains move further than the limit of this scene allows, and no wall drives them.
     let sets = [
-        "acceptance.turn=1e-9",
+        "acceptance.turn=1e-6",
         "stages.confine.increments=2",
         "stages.load.increments=11",
         "stages.load.walls.top[1]=-0.2e-3",

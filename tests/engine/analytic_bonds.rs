@@ -57,7 +57,9 @@ fn tension_by_force_is_feasible_below_24_n_and_collapses_above() {
     };
     let (records, outcome) = pulled_with(TENSILE_STRENGTH * (1.0 - 1e-6));
     assert_eq!(outcome, Outcome::Completed);
-    assert_relative(probe(&records[0], "pulled").motion[0], 3e-6 * (1.0 - 1e-6), EXACT);
+    // An interior point: the limit is so near that no Newton step tells whether it is reached. Its error
+    // is within the tolerance of the increment.
+    assert_relative(probe(&records[0], "pulled").motion[0], 3e-6 * (1.0 - 1e-6), 1e-8);
     let (records, outcome) = pulled_with(TENSILE_STRENGTH * (1.0 + 1e-4));
     assert_eq!(records[0].status, IncrementStatus::Collapsed);
     assert!(matches!(outcome, Outcome::Collapsed(Collapse { increment: 1, .. })));

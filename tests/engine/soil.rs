@@ -57,27 +57,37 @@ fn footings_carry_the_bearing_pressure_of_prandtl_and_reissner() {
 }
 
 /// The silo with 300 grains, of which 120 stay.
-const SMALL: [&str; 3] =
-    ["let.seed=101", "specimen.count=300", "stages.flow.stop=[Below(\"inside\", 120.0)]"];
+const SMALL: [&str; 2] = ["specimen.count=300", "stages.flow.stop=[Below(\"inside\", 120.0)]"];
 
-/// No grain is lost, and the rate is constant and that of Beverloo in two dimensions.
+/// No grain is lost, and the rate, in the mean of three packings, is constant and that of Beverloo in two
+/// dimensions.
 #[test]
 fn grains_leave_a_silo_at_a_constant_rate_and_none_is_lost() {
     let names = ["inside", "outside", "inside_kg", "outside_kg"];
-    let rows = measured(&scene_with("outflow", &SMALL), names);
     let area = std::f64::consts::PI * 76.0e-6 / 3.0;
-    let mass = rows[0].1[2];
-    // The radii are quantiles of a uniform distribution.
-    assert!((mass / (300.0 * 1000.0 * area) - 1.0).abs() < 1e-3, "{mass}");
-    for (record, [inside, outside, inside_kg, outside_kg]) in &rows {
-        assert_eq!(inside + outside, 300.0, "increment {}", record.increment);
-        assert!(((inside_kg + outside_kg) / mass - 1.0).abs() < 1e-12, "{inside_kg} {outside_kg}");
+    let mut times = [0.0; 3];
+    for seed in ["let.seed=101", "let.seed=102", "let.seed=103"] {
+        let rows = measured(&scene_with("outflow", &[seed, SMALL[0], SMALL[1]]), names);
+        let mass = rows[0].1[2] + rows[0].1[3];
+        // Three standard errors of 300 radii that are uniform between 4 and 6 mm.
+        assert!((mass / (300.0 * 1000.0 * area) - 1.0).abs() < 0.04, "{mass}");
+        for (record, [inside, outside, inside_kg, outside_kg]) in &rows {
+            assert_eq!(inside + outside, 300.0, "increment {}", record.increment);
+            assert!(
+                ((inside_kg + outside_kg) / mass - 1.0).abs() < 1e-12,
+                "{inside_kg} {outside_kg}"
+            );
+        }
+        let time =
+            |left: f64| rows.iter().find(|(_, [inside, ..])| *inside <= left).unwrap().0.time;
+        for (sum, left) in times.iter_mut().zip([270.0, 210.0, 150.0]) {
+            *sum += time(left) / 3.0;
+        }
     }
-    let time = |left: f64| rows.iter().find(|(_, [inside, ..])| *inside <= left).unwrap().0.time;
-    let rates = [60.0 / (time(210.0) - time(270.0)), 60.0 / (time(150.0) - time(210.0))];
+    let rates = [60.0 / (times[1] - times[0]), 60.0 / (times[2] - times[1])];
     let beverloo = 9.81_f64.sqrt() * 0.056_f64.powf(1.5) * 0.78 / area;
     assert!((rates[0] / rates[1] - 1.0).abs() < 0.25, "{rates:?}");
-    let mean = 120.0 / (time(150.0) - time(270.0));
+    let mean = 120.0 / (times[2] - times[0]);
     assert!((0.6..1.0).contains(&(mean / beverloo)), "{mean}");
 }
 
