@@ -22,7 +22,9 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{BodyTable, BondRow, Contact, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures};
+use clastic_components::findings::{
+    AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures, Sliding,
+};
 use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::motion::Motion;
@@ -194,7 +196,10 @@ pub fn judge_rest(
             .map_or(String::new(), |(body, _)| format!(" ({body} moves most)"))
     };
     let is_free = motion.weight <= settings.min_weight;
-    let at_rest = (motion.weight <= settings.rest_weight
+    // A step is solved loosely, and forces beyond the bound are none of an equilibrium.
+    let is_balanced = solution.residuals.worst() <= Sliding::BOUND;
+    let at_rest = (is_balanced
+        && motion.weight <= settings.rest_weight
         && far <= motion.length * settings.max_travel_at_rest)
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;

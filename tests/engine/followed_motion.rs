@@ -52,6 +52,53 @@ pub(crate) fn confinement(porosity: f64, friction: f64, seed: u64) -> String {
     )
 }
 
+/// A jammed packing of rigid grains in a box of smooth walls, two of which then press with 100 kPa.
+fn press_of_rigid_grains(seed: u64) -> String {
+    format!(
+        "(
+            version: 1,
+            title: \"press of rigid grains\",
+            friction_law: Coulomb(),
+            materials: {{ \"grain\": (density: 2650.0, contact: (friction: 0.5)) }},
+            specimen: Packing(
+                count: 144, columns: 12, spacing: 10.1e-3, origin: (0.5e-3, 0.5e-3),
+                sizes: Uniform(radius: (3.0e-3, 5.0e-3)), seed: {seed},
+            ),
+            walls: [
+                (name: \"floor\", start: (0.0, 0.0), end: (0.1313, 0.0)),
+                (name: \"top\", start: (0.1313, 0.2626), end: (0.0, 0.2626)),
+                (name: \"left\", start: (0.0, 1.0), end: (0.0, -1.0)),
+                (name: \"right\", start: (0.1313, -1.0), end: (0.1313, 1.0)),
+            ],
+            stages: [
+                Compact(
+                    name: \"compact\", wall: \"top\", base: \"floor\", target: Jammed,
+                    step: 1.0e-3, agitation: 0.1, seed: {seed},
+                ),
+                Load(
+                    name: \"press\",
+                    increments: 5,
+                    walls: {{
+                        \"top\": Stress(stress: 100.0e3, between: (\"left\", \"right\")),
+                        \"right\": Stress(stress: 100.0e3, between: (\"floor\", \"top\")),
+                    }},
+                ),
+            ],
+        )"
+    )
+}
+
+/// The displacements of rigid grains at the start of a press are gaps of 1e-12 m. The stiffness that
+/// forces over gaps show made the inertia of a motion as large as the loads: it came to rest out of
+/// balance, and four of eight presses were undecided.
+#[test]
+fn rigid_grains_are_pressed_under_coulombs_law() {
+    for seed in [1, 4, 5, 7] {
+        let mut simulation = Simulation::new(&parse(&press_of_rigid_grains(seed)), None);
+        assert_eq!(simulation.run(), Outcome::Completed, "seed {seed}");
+    }
+}
+
 /// Grains settled under the loads at the start of an increment, which are zero in a first confining
 /// one: nothing moved, and the increment was halved until it stalled.
 #[test]
