@@ -248,10 +248,10 @@ scenes! {
     #[ignore = "7380 disks, 120 increments"]
     uniaxial: "uniaxial", COMPLETES, &[
         ("bonds_created", 16032.0),
-        ("youngs_modulus_pa", 74439511951.44577),
-        ("youngs_modulus_secant_half_peak_pa", 74429591637.99153),
-        ("first_crack_stress_pa", 145184229.09830967),
-        ("peak_stress_pa", 215926424.90172416),
+        ("youngs_modulus_pa", 74439511951.99174),
+        ("youngs_modulus_secant_half_peak_pa", 74429629279.36092),
+        ("first_crack_stress_pa", 145184307.2780236),
+        ("peak_stress_pa", 215938265.61387423),
         ("strain_at_peak", 0.0031500000000031524),
     ];
     #[ignore = "7380 disks, 120 increments"]
