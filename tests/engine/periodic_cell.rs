@@ -19,8 +19,13 @@ const TANGENTIAL: f64 = 1.0e7;
 
 /// Settings and measures of all scenes here.
 fn scene(particles: &str, size: [f64; 2], friction: f64, more: &str, stages: &str) -> Scene {
+    parse(&scene_text(particles, size, friction, more, stages))
+}
+
+/// The text of such a scene.
+fn scene_text(particles: &str, size: [f64; 2], friction: f64, more: &str, stages: &str) -> String {
     let [width, height] = size;
-    parse(&format!(
+    format!(
         r#"(
     version: 1, title: "cell",
     materials: {{ "sand": (density: 2650.0, contact: (normal_stiffness: {NORMAL:?},
@@ -39,7 +44,7 @@ fn scene(particles: &str, size: [f64; 2], friction: f64, more: &str, stages: &st
         (name: "porosity", of: Porosity(Cell)),
     ],
 )"#
-    ))
+    )
 }
 
 /// Touching disks of a triangular lattice, row by row from a place, and the size of their cell.
@@ -210,6 +215,24 @@ fn imposed_stresses_of_packings() {
         }
     }
     assert!(sheared > 4.0e3, "{sheared}");
+}
+
+/// The mean of both shear stresses was measured, which differ while the tension of bonds turns with them.
+#[test]
+fn an_imposed_shear_stress_under_tension_is_the_average_stress() {
+    let (disks, size) = lattice(4, 6, [0.0, 0.0]);
+    let bond = "bond: (normal_stiffness: 1e8, tangential_stiffness: 1e8, cohesion: 1e12, tensile_strength: 1e12)";
+    let stages = r#"Cement(name: "bond", length: 1e-6),
+        Load(name: "pull", increments: 1, cell: (xx: Stress(-1e6), yy: Stress(-1e6), shear: Stress(0.0))),
+        Load(name: "shear", increments: 3, cell: (shear: Stress(1e6))),"#;
+    let text = scene_text(&disks, size, 0.5, "", stages)
+        .replace("friction: 0.5)", &format!("friction: 0.5), {bond}"));
+    let mut simulation = Simulation::new(&parse(&text), None);
+    for shear in [0.0, 1e6 / 3.0, 2e6 / 3.0, 1e6] {
+        next(&mut simulation).unwrap();
+        let [stress, _] = state(&simulation);
+        assert_near(stress, [-1e6, -1e6, shear], 1e6, 1e-8);
+    }
 }
 
 /// With the volume held the mean stress is a result, and the width and the height stay.
