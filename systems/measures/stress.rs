@@ -98,10 +98,8 @@ fn part_inside(bodies: &BodyTable, contact: &Contact, min: DVec2, max: DVec2) ->
     (to - from).max(0.0)
 }
 
-/// A component of a stress. Shear is the force along x on the faces across y, which a periodic cell
-/// imposes. The other shear differs where forces turn with their bonds within the increment.
 fn component(stress: [[f64; 2]; 2], component: StressComponent) -> f64 {
-    let (xx, yy, xy) = (stress[0][0], stress[1][1], stress[0][1]);
+    let (xx, yy, xy) = (stress[0][0], stress[1][1], 0.5 * (stress[0][1] + stress[1][0]));
     match component {
         StressComponent::Xx => xx,
         StressComponent::Yy => yy,
@@ -187,6 +185,7 @@ impl StressTables<'_, '_> {
                 Some(sum / walls.len() as f64 / (length * thickness))
             }
             StressMeasure::Average { component: of, area } => {
+                let is_cell = matches!(area, MeasureArea::Cell);
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
                     MeasureArea::Cell => self.bodies.cell?.area(),
@@ -199,23 +198,20 @@ impl StressTables<'_, '_> {
                     }
                 };
                 let (bodies, contacts) = (&self.bodies, &self.contacts);
-                let stress = average_stress(
-                    bodies,
-                    contacts,
-                    &self.program,
-                    &self.solution,
-                    area,
-                    thickness,
-                );
+                let (program, solution) = (&self.program, &self.solution);
+                let mut stress =
+                    average_stress(bodies, contacts, program, solution, area, thickness);
+                if is_cell {
+                    // A cell imposes the shear along x on its faces across y. The other one differs
+                    // where forces turn with their bonds within the increment.
+                    stress[1][0] = stress[0][1];
+                }
                 Some(component(stress, *of))
             }
             StressMeasure::Region { component: of, min, max } => {
                 let inside = |contact: &Contact| part_inside(&self.bodies, contact, *min, *max);
-                let mut sum =
+                let sum =
                     moments(&self.bodies, &self.contacts, &self.program, &self.solution, inside);
-                // Moments do not balance on the parts of the branches that lie inside.
-                sum[0][1] = 0.5 * (sum[0][1] + sum[1][0]);
-                sum[1][0] = sum[0][1];
                 let volume = (*max - *min).element_product() * thickness;
                 Some(component(sum.map(|row| row.map(|s| s / volume)), *of))
             }
