@@ -60,7 +60,7 @@ pub struct MotionSettings {
     pub first_weight: f64,
     /// Maximum weight of a step that shows whether the motion is at rest.
     ///
-    /// 1e-6: its inertia is small beside the stiffness of a contact, which has the weight 1.
+    /// 1e-6: with [`max_travel_at_rest`](Self::max_travel_at_rest) its inertia is at most 5e-6 of the loads.
     pub rest_weight: f64,
     /// Number of steps at [`min_weight`](Self::min_weight) that end the motion: bodies that still
     /// move then are free.

@@ -176,7 +176,7 @@ def test_a_target_out_of_reach_names_the_parameter_at_its_limit(tmp_path: Path) 
     assert found.targets["error"][1] < -0.02
 
 
-def test_four_properties_of_a_rock_take_few_runs(
+def test_four_properties_of_a_rock_take_less_than_forty_runs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     file = EXAMPLES / "calibrate.py"
@@ -186,8 +186,7 @@ def test_four_properties_of_a_rock_take_few_runs(
     exec(file.read_text(), names)
     found: clastic.Calibration = names["found"]
     assert found.success and found.targets["error"].abs().max() <= 0.05
-    # From ten starts that differ by 1e-4 it took 24 to 48 runs, 26 in the median: peaks scatter under round-off.
-    assert found.made < 60
+    assert found.made < 40
     # What does not act on a test does not repeat it.
     elastic = found.runs[found.runs["test"] == "elastic"]
     assert not elastic.duplicated(["seed", "stiffness", "shear"]).any()

@@ -249,9 +249,9 @@ def test_the_slope_of_the_example_slides(tmp_path: Path, monkeypatch: pytest.Mon
     assert (tmp_path / "slope.png").stat().st_size > 2000
     # Where it slides, the elastic solution of the increment before is far from there: bonds broke.
     assert 1.5 < names["factor"] < 3.0 and names["broken"] > 50
-    # What slides is the face, whose crest is at x = 7.1 m; the ground behind it stays, or breaks and follows.
+    # What slides most is the face, whose crest is at x = 7.1 m; the slide ends at the ground that is held.
     x, moved = names["rest"].positions[:, 0], names["moved"]
-    assert x[moved > 0.5 * moved.max()].mean() < 7.1 and moved[x > 10.0].max() < 0.5 * moved.max()
+    assert x[moved > 0.5 * moved.max()].mean() < 7.1 and moved[x > 14.4].max() < names["SLIDES"]
 
 
 def test_arrays_are_copies_and_python_is_free_during_a_solve(scene: Path) -> None:

@@ -181,8 +181,7 @@ fn packing(seed: u64, more: &str) -> Scene {
 #[test]
 fn imposed_stresses_of_packings() {
     let laws = [("", 1e-9), ("friction_law: Coulomb(),", 1e-8), ("solver: Clarabel(),", 1e-8)];
-    // Mean shear stress of the last ten increments of all six: a single one falls each time that grains
-    // find another equilibrium.
+    // Mean of all six at the end: the packings are small, and one in six resists little.
     let mut sheared = 0.0;
     for seed in [1, 2] {
         for (more, tolerance) in laws {
@@ -205,19 +204,18 @@ fn imposed_stresses_of_packings() {
                     assert_near(stress, [50.0e3, 80.0e3, shear], 80.0e3, tolerance);
                     assert_near(cell.stress, stress, 80.0e3, 1e-8);
                 }
-                if in_stage > 8 {
-                    sheared += state(&simulation)[0][2] / 60.0;
-                }
             }
             assert_eq!(simulation.run(), Outcome::Completed, "seed {seed}, {more}");
             assert!((porosity - 0.2).abs() < 1e-9, "{porosity}");
             assert_eq!(in_stage, 18);
+            sheared += state(&simulation)[0][2] / 6.0;
         }
     }
     assert!(sheared > 4.0e3, "{sheared}");
 }
 
-/// The mean of both shear stresses was measured, which differ while the tension of bonds turns with them.
+/// The measure was the mean of sigma_xy and sigma_yx. They differ within an increment in which bonds under
+/// tension turn, and the cell imposes sigma_xy.
 #[test]
 fn an_imposed_shear_stress_under_tension_is_the_average_stress() {
     let (disks, size) = lattice(4, 6, [0.0, 0.0]);
