@@ -37,6 +37,18 @@ impl CellControl {
     pub fn is_by_mean(&self) -> bool {
         self.mean.is_some() || self.difference.is_some()
     }
+
+    /// All components, with their fields.
+    #[must_use]
+    pub fn targets(&self) -> [(&'static str, Option<CellTarget>); 5] {
+        [
+            ("xx", self.xx),
+            ("yy", self.yy),
+            ("mean", self.mean),
+            ("difference", self.difference),
+            ("shear", self.shear),
+        ]
+    }
 }
 
 /// What a component of the deformation of a cell does in a stage.

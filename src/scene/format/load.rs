@@ -1,12 +1,12 @@
-//! Loading stages.
+//! Loading stages, and their membranes.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
 use super::{
-    Analysis, CellControl, CellTarget, MembraneControl, ParticleControl, Record, RigidControl,
-    Stop, WallControl,
+    Analysis, CellControl, CellTarget, ParticleControl, Record, RigidControl, Sides, Stop,
+    WallControl,
 };
 use crate::scene::unique_keys;
 
@@ -98,8 +98,7 @@ impl Load {
             matches!(wall, Force(_) | Stress { .. } | Lid { .. })
         };
         let stressed = |cell: &CellControl| {
-            let all = [cell.xx, cell.yy, cell.mean, cell.difference, cell.shear];
-            all.into_iter().flatten().any(|target| matches!(target, CellTarget::Stress(_)))
+            cell.targets().iter().any(|(_, target)| matches!(target, Some(CellTarget::Stress(_))))
         };
         self.walls.values().any(loaded)
             || self.particles.iter().any(ParticleControl::is_load)
@@ -107,4 +106,20 @@ impl Load {
             || !self.membranes.is_empty()
             || self.cell.as_deref().is_some_and(stressed)
     }
+}
+
+/// Control of a membrane in a stage. The first entry of a name makes the membrane.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct MembraneControl {
+    /// Pressure at the end of the stage, Pa. It varies linearly.
+    pub pressure: f64,
+    /// The two walls between which it lies; closed around the specimen if left out. Only where it
+    /// is made.
+    pub between: Option<(String, String)>,
+    /// Sides of the way from the first of these walls to the second; both if left out.
+    pub sides: Option<Sides>,
+    /// Radius of the ball that finds the outermost grains, m; the maximum radius of the particles
+    /// if left out. Only where the membrane is made.
+    pub ball: Option<f64>,
 }

@@ -1,8 +1,6 @@
-//! Materials: laws of contacts and bonds.
+//! Materials: laws of contacts and bonds, and the scatter of bonds.
 
 use serde::{Deserialize, Serialize};
-
-use super::Scatter;
 
 /// A particle material.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -40,6 +38,14 @@ pub struct Contact {
     pub restitution: f64,
 }
 
+impl Contact {
+    /// Normal, tangential and rolling stiffness.
+    #[must_use]
+    pub fn stiffnesses(&self) -> [Option<f64>; 3] {
+        [self.normal_stiffness, self.tangential_stiffness, self.rolling_stiffness]
+    }
+}
+
 /// Law of a bond, which is rigid without stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -63,4 +69,50 @@ pub struct Bond {
     pub tensile_strength: f64,
     /// Scatter of strengths and stiffnesses about these values.
     pub scatter: Option<Scatter>,
+}
+
+impl Bond {
+    /// Normal, tangential and rolling stiffness.
+    #[must_use]
+    pub fn stiffnesses(&self) -> [Option<f64>; 3] {
+        [self.normal_stiffness, self.tangential_stiffness, self.rolling_stiffness]
+    }
+}
+
+/// Random factors of the strengths and stiffnesses of a law, each with a mean of 1. Every bond has
+/// draws of its own, which follow from the seed and from where its particles were at the start of
+/// the run.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scatter {
+    /// Seed of the draws.
+    pub seed: u64,
+    /// One factor for cohesion and tensile strength.
+    pub strength: Option<Spread>,
+    /// One factor for normal and tangential stiffness.
+    pub stiffness: Option<Spread>,
+    /// Factor of the cohesion alone.
+    pub cohesion: Option<Spread>,
+    /// Factor of the tensile strength alone.
+    pub tensile_strength: Option<Spread>,
+    /// Factor of the normal stiffness alone.
+    pub normal_stiffness: Option<Spread>,
+    /// Factor of the tangential stiffness alone.
+    pub tangential_stiffness: Option<Spread>,
+}
+
+/// Distribution of a factor with a mean of 1.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Spread {
+    /// Weibull distribution without a threshold.
+    Weibull {
+        /// Modulus m. The coefficient of variation is about 1.2 / m.
+        modulus: f64,
+    },
+    /// Log-normal distribution.
+    LogNormal {
+        /// Standard deviation of the logarithm.
+        deviation: f64,
+    },
 }

@@ -6,21 +6,15 @@
 
 mod analysis;
 mod cell;
-mod cement;
 mod compact;
 mod load;
 mod materials;
-mod measures;
-mod membranes;
-mod minerals;
 mod output;
 mod particle_control;
 mod pour;
 mod quantities;
 mod repeat;
 mod rigid;
-mod scatter;
-mod solver;
 mod specimen;
 mod stages;
 mod stop;
@@ -46,25 +40,19 @@ pub use clastic_components::wall::WallSlide as Slide;
 
 use super::unique_keys;
 
-pub use analysis::{Analysis, FrictionLaw};
+pub use analysis::{Analysis, FrictionLaw, Solver};
 pub use cell::{Cell, CellControl, CellTarget};
-pub use cement::Cement;
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
-pub use load::{Load, Scale};
-pub use materials::{Bond, Contact, Material};
-pub use measures::{Measure, ROLES};
-pub use membranes::MembraneControl;
-pub use minerals::{Clusters, Mineral};
+pub use load::{Load, MembraneControl, Scale};
+pub use materials::{Bond, Contact, Material, Scatter, Spread};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
-pub use quantities::{Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
+pub use quantities::{Area, GroupAlong, Length, Measure, Modes, Quantity, ROLES, Strain, Stress};
 pub(super) use repeat::MAX_STAGES;
 pub use rigid::{RigidControl, Traction};
-pub use scatter::{Scatter, Spread};
-pub use solver::Solver;
-pub use specimen::{ExplicitBond, Particle, Sizes, Specimen};
-pub use stages::{CustomStage, Remove, Save, Stage};
+pub use specimen::{Clusters, ExplicitBond, Mineral, Particle, Sizes, Specimen};
+pub use stages::{Cement, CustomStage, Remove, Save, Stage};
 pub use stop::Stop;
 pub use walls::{LidLoad, Table, Wall, WallControl, WallShape};
 

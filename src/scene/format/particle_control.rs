@@ -36,6 +36,12 @@ impl ParticleControl {
     pub fn is_load(&self) -> bool {
         self.force.is_some() || self.moment.is_some() || self.remains.is_some()
     }
+
+    /// Motions along x, along y, and of the rotation, with their fields and units.
+    #[must_use]
+    pub fn motions(&self) -> [(&'static str, Motion, &'static str); 3] {
+        [("x", self.x, "m"), ("y", self.y, "m"), ("rotation", self.rotation, "rad")]
+    }
 }
 
 /// A selection of particles.

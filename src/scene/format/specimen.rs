@@ -1,9 +1,10 @@
-//! Specimens: sources of the particles.
+//! Specimens: sources of the particles, layers and minerals.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use super::Select;
 use crate::scene::unique_keys;
 
 /// Source of the particles.
@@ -94,6 +95,18 @@ pub enum Sizes {
     },
 }
 
+impl Sizes {
+    /// Minimum and maximum radius, m; `None` for a sieve curve without points.
+    #[must_use]
+    pub fn limits(&self) -> Option<(f64, f64)> {
+        match self {
+            Self::Equal { radius } => Some((*radius, *radius)),
+            Self::Uniform { radius: limits } | Self::LogNormal { limits, .. } => Some(*limits),
+            Self::Sieve { passing } => Some((0.5 * passing.first()?.0, 0.5 * passing.last()?.0)),
+        }
+    }
+}
+
 /// One particle.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
@@ -124,4 +137,33 @@ pub struct ExplicitBond {
     pub a: u32,
     /// Second particle.
     pub b: u32,
+}
+
+/// Gives particles of the specimen a material: a layer, or clusters of a mineral.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Mineral {
+    /// Material that the particles get.
+    pub material: String,
+    /// Which particles may get it, where they are in the specimen.
+    #[serde(default = "all")]
+    pub select: Select,
+    /// Only in clusters; all selected particles if left out.
+    pub clusters: Option<Clusters>,
+}
+
+fn all() -> Select {
+    Select::All
+}
+
+/// Clusters of a mineral: cells of a random tessellation.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Clusters {
+    /// Share of the selected particles by area.
+    pub share: f64,
+    /// Mean size of a cluster, m: the square root of its area.
+    pub size: f64,
+    /// Seed of the tessellation.
+    pub seed: u64,
 }

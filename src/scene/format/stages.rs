@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Analysis, Cement, Compact, Load, Pour, Record, Select, Stop};
+use super::{Analysis, Bond, Compact, Load, Pour, Record, Select, Stop};
 use crate::scene::unique_keys;
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
@@ -56,10 +56,8 @@ impl Stage {
     pub fn has_increments(&self) -> bool {
         match self {
             Self::Compact(_) => true,
-            Self::Load(s) => s.increments > 0,
-            Self::Pour(s) => s.load.increments > 0,
             Self::Custom(s) => s.increments > 0,
-            Self::Cement(_) | Self::Save(_) | Self::Remove(_) => false,
+            _ => self.load().is_some_and(|load| load.increments > 0),
         }
     }
 
@@ -83,11 +81,7 @@ impl Stage {
         match self {
             Self::Load(load) => Some(load),
             Self::Pour(pour) => Some(&pour.load),
-            Self::Compact(_)
-            | Self::Cement(_)
-            | Self::Save(_)
-            | Self::Remove(_)
-            | Self::Custom(_) => None,
+            _ => None,
         }
     }
 
@@ -114,10 +108,8 @@ impl Stage {
     pub fn record(&self) -> Option<&Record> {
         match self {
             Self::Compact(s) => Some(&s.record),
-            Self::Cement(_) | Self::Save(_) | Self::Remove(_) => None,
-            Self::Load(s) => Some(&s.record),
-            Self::Pour(s) => Some(&s.load.record),
             Self::Custom(s) => Some(&s.record),
+            _ => self.load().map(|load| &load.record),
         }
     }
 }
@@ -179,4 +171,27 @@ pub struct Remove {
     /// Whether the forces and moments that they exerted on other particles stay as loads on these.
     #[serde(default)]
     pub keep_tractions: bool,
+}
+
+/// See [`Stage::Cement`](super::Stage::Cement).
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cement {
+    /// Name.
+    pub name: String,
+    /// Bond length g_int, m: pairs with a smaller gap are bonded (3.4.1 of the paper).
+    pub length: Option<f64>,
+    /// Mean number of new bonds of a particle: the pairs with the smallest gaps are bonded. It
+    /// takes the place of the length.
+    pub coordination: Option<f64>,
+    /// Whether particles are also bonded to walls.
+    #[serde(default)]
+    pub walls: bool,
+    /// Whether particles are bonded to each other.
+    #[serde(default = "super::yes")]
+    pub particles: bool,
+    /// Particles that are bonded, to each other and to walls; all if left out.
+    pub select: Option<Select>,
+    /// Law of the bonds; that of the materials and walls if left out.
+    pub bond: Option<Bond>,
 }
