@@ -1,7 +1,5 @@
 //! Stresses that walls keep from stage to stage, on the distance of two walls: both must stay.
 
-use std::fmt::Arguments;
-
 use clastic_components::body::BodyId;
 use clastic_components::wall::WallName;
 use clastic_systems::wall_states::{ControlState, ControlStates, LengthState, WALL_CONTROL};
@@ -9,7 +7,7 @@ use clastic_systems::wall_states::{ControlState, ControlStates, LengthState, WAL
 use crate::scene::StoredSpecimen;
 use crate::scene::format::Load;
 
-use super::findings::Findings;
+use super::findings::At;
 
 /// A wall that keeps a stress, and the two walls on whose distance it acts.
 pub(super) struct Carried {
@@ -41,37 +39,26 @@ pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Carried> {
 
 /// Checks the walls that a stage removes; `carried` are the stresses from before, and afterwards
 /// those that the next stage finds.
-pub(super) fn check(
-    path: Arguments,
-    stage: &Load,
-    carried: &mut Vec<Carried>,
-    findings: &mut Findings,
-) {
+pub(super) fn check(at: &mut At, stage: &Load, carried: &mut Vec<Carried>) {
+    let is_gone = |wall: &String| stage.remove_walls.contains(wall);
     // A wall with a control of its own, or that goes, no longer has the stress from before.
-    carried.retain(|carried| {
-        !stage.walls.contains_key(&carried.wall) && !stage.remove_walls.contains(&carried.wall)
-    });
+    carried.retain(|Carried { wall, .. }| !stage.walls.contains_key(wall) && !is_gone(wall));
     for (i, gone) in stage.remove_walls.iter().enumerate() {
         let needs = |carried: &&Carried| carried.between.0 == *gone || carried.between.1 == *gone;
         let keeps: Vec<_> = carried.iter().filter(needs).collect();
         if let [Carried { wall, between: (a, b) }, ..] = keeps[..]
-            && findings.are_sure_of(&["stages", "walls"])
+            && at.are_sure_of(&["stages", "walls"])
         {
             let message = format!(
                 "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`"
             );
             let others = keeps.iter().map(|carried| format!("\"{}\": Fixed", carried.wall));
-            let help = format!(
-                "give it another control in this stage: `walls: {{ {} }}`",
-                others.collect::<Vec<_>>().join(", ")
-            );
-            findings.add(format_args!("{path}.remove_walls[{i}]"), message, &help);
+            let others = others.collect::<Vec<_>>().join(", ");
+            let help = format!("give it another control in this stage: `walls: {{ {others} }}`");
+            at.add(format_args!("remove_walls[{i}]"), message, help);
         }
     }
-    carried.retain(|carried| {
-        let gone = |wall: &String| stage.remove_walls.contains(wall);
-        !gone(&carried.between.0) && !gone(&carried.between.1)
-    });
+    carried.retain(|Carried { between: (a, b), .. }| !is_gone(a) && !is_gone(b));
     for (wall, control) in &stage.walls {
         if let Some(Some(between)) = control.loaded_between() {
             carried.push(Carried { wall: wall.clone(), between: between.clone() });

@@ -1,32 +1,30 @@
 //! Walls that pass through each other. A displacement applies to every increment. If it is mistaken
 //! for that of the stage, the walls meet.
 
-use super::ASKEW;
-use super::findings::Findings;
-use super::places::length;
+use super::findings::At;
+use super::places::{are_opposite, distance, inward, length};
 use crate::scene::format::{Load, Wall, WallControl};
-use crate::scene::spans::join;
 
 /// Checks the imposed motions of walls: two parallel walls that face each other must not meet in a
 /// stage without stop conditions. Motions in earlier stages are included. If a wall is absent, or
 /// follows a load, a velocity or another system, the distance of its pairs is unknown from then on.
-pub(super) fn check(findings: &mut Findings) {
-    if !findings.are_sure_of(&["walls", "stages"]) {
+pub(super) fn check(at: &mut At) {
+    if !at.are_sure_of(&["walls", "stages"]) {
         return;
     }
-    let walls = &findings.context.scene.walls;
+    let walls = &at.context.scene.walls;
     for (i, a) in walls.iter().enumerate() {
         for b in &walls[i + 1..] {
             if let Some(distance) = facing(a, b).filter(|_| a.present && b.present) {
-                pair((a, b), distance, findings);
+                pair(at, (a, b), distance);
             }
         }
     }
 }
 
-fn pair((a, b): (&Wall, &Wall), drawn: f64, findings: &mut Findings) {
+fn pair(at: &mut At, (a, b): (&Wall, &Wall), drawn: f64) {
     let mut distance = drawn;
-    for (i, stage) in findings.context.scene.stages.iter().enumerate() {
+    for (i, stage) in at.context.scene.stages.iter().enumerate() {
         let Some(stage) = stage.load() else { continue };
         let (Some(of_a), Some(of_b)) = (closing(stage, a), closing(stage, b)) else { return };
         let closing = of_a + of_b;
@@ -39,14 +37,13 @@ fn pair((a, b): (&Wall, &Wall), drawn: f64, findings: &mut Findings) {
             continue;
         }
         let (mover, other) = if of_a > 0.0 { (a, b) } else { (b, a) };
-        let path = join(&format!("stages[{i}].walls"), &mover.name);
         let message = format!(
             "comes to wall `{}`, {distance:?} m away: the two close by {closing:?} m in every one of {} \
              increments",
             other.name, stage.increments
         );
         let help = "give less for an increment; a displacement is not that of the whole stage";
-        findings.add(format_args!("{path}"), message, help);
+        at.item("stages", i).entry("walls", &mover.name).add("", message, help);
     }
 }
 
@@ -66,20 +63,10 @@ fn closing(stage: &Load, wall: &Wall) -> Option<f64> {
     }
 }
 
-/// Unit normal on the left of the direction from start to end.
-pub(super) fn inward(wall: &Wall) -> (f64, f64) {
-    let length = length(wall);
-    ((wall.start.1 - wall.end.1) / length, (wall.end.0 - wall.start.0) / length)
-}
-
 /// Distance between two parallel lines that face each other, m; `None` for other pairs: thin walls
 /// may pass beside each other, and the place of one that comes at the outermost particles is unknown.
 fn facing(a: &Wall, b: &Wall) -> Option<f64> {
-    let are_lines = a.shape.is_line() && b.shape.is_line() && a.is_placed() && b.is_placed();
-    if !(are_lines && length(a) > 0.0 && length(b) > 0.0) {
-        return None;
-    }
-    let (n, m) = (inward(a), inward(b));
-    let distance = (b.start.0 - a.start.0) * n.0 + (b.start.1 - a.start.1) * n.1;
-    (n.0 * m.0 + n.1 * m.1 < ASKEW - 1.0 && distance > 0.0).then_some(distance)
+    let is_line = |wall: &Wall| wall.shape.is_line() && wall.is_placed() && length(wall) > 0.0;
+    let face = is_line(a) && is_line(b) && are_opposite(a, b);
+    face.then(|| distance(a, b)).filter(|distance| *distance > 0.0)
 }

@@ -1,18 +1,20 @@
-//! The list of findings, and checks that all topics share.
+//! The list of findings, and the checks that all topics share.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt::Arguments;
+use std::fmt::Display;
+use std::ops::{Deref, DerefMut};
 
 use clastic_components::domain::{Domain, PLACE};
 
 use crate::scene::diagnostic::{Finding, within};
 use crate::scene::format::Analysis;
 use crate::scene::limits::{MAX_NUMBER, MIN_NUMBER};
+use crate::scene::spans::join;
 use crate::scene::suggest;
 
 use super::Context;
 
-/// Collects findings of a scene. Paths are formatted only for findings, since most checks find nothing.
+/// Collects findings of a scene.
 pub(super) struct Findings<'a> {
     pub(super) context: &'a Context<'a>,
     /// Which walls are there in the stage that is checked.
@@ -40,27 +42,9 @@ impl<'a> Findings<'a> {
         }
     }
 
-    /// Whether the stage that is checked has no time.
-    pub(super) fn is_timeless(&self) -> bool {
-        self.analysis == Analysis::Static
-    }
-
-    /// Whether a wall is there in that stage; `None` if the scene has no such wall.
-    pub(super) fn is_there(&self, wall: &str) -> Option<bool> {
-        let index = self.context.walls.iter().position(|name| *name == wall)?;
-        self.present.get(index).copied()
-    }
-
-    /// Findings about the scene with another specimen.
-    pub(super) fn of<'b>(&self, context: &'b Context<'b>) -> Findings<'b>
-    where
-        'a: 'b,
-    {
-        Findings::new(context, self.made_up)
-    }
-
-    pub(super) fn extend(&mut self, others: Findings) {
-        others.list.into_iter().for_each(|finding| self.push(finding));
+    /// The scene as a place.
+    pub(super) fn root(&mut self) -> At<'_, 'a> {
+        At { findings: self, path: String::new() }
     }
 
     pub(super) fn into_list(self) -> Vec<Finding> {
@@ -70,6 +54,17 @@ impl<'a> Findings<'a> {
     /// Number of findings so far.
     pub(super) fn len(&self) -> usize {
         self.list.len()
+    }
+
+    /// Whether the stage that is checked certainly has no time.
+    pub(super) fn is_timeless(&self) -> bool {
+        self.analysis == Analysis::Static && self.is_sure_of("analysis")
+    }
+
+    /// Whether a wall is there in that stage; `None` if the scene has no such wall.
+    pub(super) fn is_there(&self, wall: &str) -> Option<bool> {
+        let index = self.context.walls.iter().position(|name| *name == wall)?;
+        self.present.get(index).copied()
     }
 
     /// Whether a part of the scene contains no made-up value. Otherwise no conclusions may be drawn
@@ -83,11 +78,6 @@ impl<'a> Findings<'a> {
         parts.iter().all(|part| self.is_sure_of(part))
     }
 
-    /// Like [`is_sure_of`](Self::is_sure_of), for a path that is formatted only if necessary.
-    pub(super) fn is_sure_of_part(&self, path: Arguments) -> bool {
-        self.made_up.is_empty() || self.is_sure_of(&path.to_string())
-    }
-
     /// Whether a part of the scene contains no made-up value and has no mistake so far.
     pub(super) fn is_sound(&self, path: &str) -> bool {
         self.is_sure_of(path) && !self.list.iter().any(|finding| within(&finding.path, path))
@@ -98,32 +88,103 @@ impl<'a> Findings<'a> {
         parts.iter().all(|part| self.is_sound(part))
     }
 
-    pub(super) fn add(&mut self, path: Arguments, message: impl Into<String>, help: &str) {
-        self.push(Finding::new(path.to_string(), message, help));
-    }
-
     /// Adds a finding. Several stages may have the same mistake in one field, which is reported once.
     fn push(&mut self, finding: Finding) {
         if self.known.insert((finding.path.clone(), finding.message.clone())) {
             self.list.push(finding);
         }
     }
+}
 
-    /// A finding at the key of a field.
-    pub(super) fn add_at_key(&mut self, path: Arguments, message: String, help: &str) {
-        let finding = Finding::new(path.to_string(), message, help);
+/// A value, or one that may be left out.
+pub(super) trait Maybe<T>: Into<Option<T>> {}
+
+impl<T, V: Into<Option<T>>> Maybe<T> for V {}
+
+/// A place in the scene, where values are checked. Fields are relative to it: `radius`, `[0]` for an
+/// item, and nothing for the place itself. A value that is left out is fine.
+pub(super) struct At<'f, 'a> {
+    findings: &'f mut Findings<'a>,
+    path: String,
+}
+
+impl<'a> Deref for At<'_, 'a> {
+    type Target = Findings<'a>;
+
+    fn deref(&self) -> &Findings<'a> {
+        self.findings
+    }
+}
+
+impl<'a> DerefMut for At<'_, 'a> {
+    fn deref_mut(&mut self) -> &mut Findings<'a> {
+        self.findings
+    }
+}
+
+impl<'a> At<'_, 'a> {
+    /// Path of a field.
+    pub fn path(&self, field: impl Display) -> String {
+        let field = field.to_string();
+        let is_joined = self.path.is_empty() || field.is_empty() || field.starts_with('[');
+        format!("{}{}{field}", self.path, if is_joined { "" } else { "." })
+    }
+
+    /// A field as a place.
+    pub fn field(&mut self, field: impl Display) -> At<'_, 'a> {
+        let path = self.path(field);
+        At { findings: self.findings, path }
+    }
+
+    /// An item of a list in a field.
+    pub fn item(&mut self, list: &str, i: usize) -> At<'_, 'a> {
+        self.field(format_args!("{list}[{i}]"))
+    }
+
+    /// The value of a key of a map in a field.
+    pub fn entry(&mut self, map: &str, key: &str) -> At<'_, 'a> {
+        let path = join(&self.path(map), key);
+        At { findings: self.findings, path }
+    }
+
+    /// Checks the same place in the scene with another specimen.
+    pub fn with(&mut self, context: &Context, check: impl FnOnce(&mut At)) {
+        let mut others = Findings::new(context, self.made_up);
+        check(&mut At { findings: &mut others, path: self.path.clone() });
+        others.list.into_iter().for_each(|finding| self.push(finding));
+    }
+
+    /// Whether a field contains no made-up value.
+    pub fn is_sure(&self, field: impl Display) -> bool {
+        self.made_up.is_empty() || self.is_sure_of(&self.path(field))
+    }
+
+    pub fn add(
+        &mut self,
+        field: impl Display,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        let path = self.path(field);
+        self.push(Finding::new(path, message, help));
+    }
+
+    /// A finding at the key of the place.
+    pub fn add_at_key(&mut self, message: impl Into<String>, help: impl Into<String>) {
+        let finding = Finding::new(self.path.as_str(), message, help);
         self.push(Finding { at_key: true, ..finding });
     }
 
     /// Checks a number; `what` completes "give ...". If zero is not allowed, numbers below
     /// `MIN_NUMBER` are not either.
-    pub(super) fn number(
+    pub fn number(
         &mut self,
-        path: Arguments,
-        value: f64,
+        field: impl Display,
+        value: impl Maybe<f64>,
         allowed: impl Fn(f64) -> bool,
         what: &str,
     ) -> bool {
+        let Some(value) = value.into() else { return true };
         let tiny = value != 0.0 && value.abs() < MIN_NUMBER && !allowed(0.0);
         let huge = value.is_finite() && value.abs() > MAX_NUMBER;
         let fine = value.is_finite() && allowed(value) && !tiny && !huge;
@@ -136,68 +197,84 @@ impl<'a> Findings<'a> {
                 _ if huge => ("too large", format!(", within {MAX_NUMBER:e}")),
                 _ => ("out of range", String::new()),
             };
-            self.add(path, format!("{problem} ({value:?})"), &format!("give {what}{limit}"));
+            self.add(field, format!("{problem} ({value:?})"), format!("give {what}{limit}"));
         }
         fine
     }
 
     /// Checks a number that apps can set as well.
-    pub(super) fn within(&mut self, path: Arguments, value: f64, domain: Domain) -> bool {
-        self.number(path, value, domain.contains, domain.what)
+    pub fn within(&mut self, field: impl Display, value: impl Maybe<f64>, domain: Domain) -> bool {
+        self.number(field, value, domain.contains, domain.what)
     }
 
-    pub(super) fn positive(&mut self, path: Arguments, value: f64, what: &str) -> bool {
-        self.number(path, value, |value| value > 0.0, &format!("{what} greater than 0"))
+    pub fn positive(&mut self, field: impl Display, value: impl Maybe<f64>, what: &str) -> bool {
+        self.number(field, value, |value| value > 0.0, &format!("{what} greater than 0"))
     }
 
-    pub(super) fn not_negative(&mut self, path: Arguments, value: f64, what: &str) -> bool {
-        self.number(path, value, |value| value >= 0.0, &format!("{what} of 0 or more"))
+    pub fn not_negative(
+        &mut self,
+        field: impl Display,
+        value: impl Maybe<f64>,
+        what: &str,
+    ) -> bool {
+        self.number(field, value, |value| value >= 0.0, &format!("{what} of 0 or more"))
     }
 
-    pub(super) fn finite(&mut self, path: Arguments, value: f64, what: &str) -> bool {
-        self.number(path, value, |_| true, what)
+    pub fn finite(&mut self, field: impl Display, value: impl Maybe<f64>, what: &str) -> bool {
+        self.number(field, value, |_| true, what)
     }
 
-    pub(super) fn vector(&mut self, path: Arguments, (x, y): (f64, f64), what: &str) -> bool {
-        self.finite(format_args!("{path}[0]"), x, what)
-            & self.finite(format_args!("{path}[1]"), y, what)
+    pub fn vector(
+        &mut self,
+        field: impl Display,
+        value: impl Maybe<(f64, f64)>,
+        what: &str,
+    ) -> bool {
+        let Some((x, y)) = value.into() else { return true };
+        self.finite(format_args!("{field}[0]"), x, what)
+            & self.finite(format_args!("{field}[1]"), y, what)
+    }
+
+    /// Checks a point of the plane.
+    pub fn place(&mut self, field: impl Display, value: impl Maybe<(f64, f64)>) -> bool {
+        self.vector(field, value, PLACE.what)
     }
 
     /// Checks two positive numbers in ascending order.
-    pub(super) fn range(&mut self, path: Arguments, (min, max): (f64, f64), what: &str) -> bool {
-        let fine = self.positive(format_args!("{path}[0]"), min, what)
-            & self.positive(format_args!("{path}[1]"), max, what);
+    pub fn range(&mut self, field: &str, (min, max): (f64, f64), what: &str) -> bool {
+        let fine = self.positive(format_args!("{field}[0]"), min, what)
+            & self.positive(format_args!("{field}[1]"), max, what);
         if fine && min > max {
             let message = format!("minimum above maximum ({min:?} > {max:?})");
-            self.add(path, message, "give (minimum, maximum)");
+            self.add(field, message, "give (minimum, maximum)");
         }
         fine && min <= max
     }
 
     /// Checks two corners of a rectangle that has an area.
-    pub(super) fn rectangle(&mut self, path: Arguments, min: (f64, f64), max: (f64, f64)) -> bool {
-        let fine = self.vector(format_args!("{path}.min"), min, PLACE.what)
-            & self.vector(format_args!("{path}.max"), max, PLACE.what);
+    pub fn rectangle(&mut self, min: (f64, f64), max: (f64, f64)) -> bool {
+        let fine = self.place("min", min) & self.place("max", max);
         let has_area = min.0 < max.0 && min.1 < max.1;
         if fine && !has_area {
             let message = format!("not above and to the right of min ({max:?})");
-            self.add(format_args!("{path}.max"), message, "give a rectangle with an area");
+            self.add("max", message, "give a rectangle with an area");
         }
         fine && has_area
     }
 
     /// Checks an integer of at least 1.
-    pub(super) fn at_least_one(&mut self, path: Arguments, value: u32, what: &str) {
+    pub fn at_least_one(&mut self, field: impl Display, value: u32, what: &str) -> bool {
         if value == 0 {
-            self.add(path, "zero (0)", &format!("give {what} of 1 or more"));
+            self.add(field, "zero (0)", format!("give {what} of 1 or more"));
         }
+        value > 0
     }
 
     /// Checks a reference to a named part of the scene. `topic` is the field that defines such
     /// parts.
-    pub(super) fn reference(
+    pub fn reference(
         &mut self,
-        path: Arguments,
+        field: impl Display,
         name: &str,
         (kind, topic): (&str, &str),
         names: &[&str],
@@ -205,32 +282,37 @@ impl<'a> Findings<'a> {
         let known = names.contains(&name);
         if !known && self.is_sure_of(topic) {
             let help = suggest::help(name, names, &format!("{kind}s"));
-            self.add(path, format!("unknown {kind} (`{name}`)"), &help);
+            self.add(field, format!("unknown {kind} (`{name}`)"), help);
         }
         known
     }
 
+    pub fn material(&mut self, field: impl Display, name: &str) -> bool {
+        let names = &self.context.materials;
+        self.reference(field, name, ("material", "materials"), names)
+    }
+
+    pub fn wall(&mut self, field: impl Display, name: &str) -> bool {
+        let names = &self.context.walls;
+        self.reference(field, name, ("wall", "walls"), names)
+    }
+
     /// Checks two references to different parts.
-    pub(super) fn pair<T: PartialEq>(&mut self, path: Arguments, (a, b): (T, T), kind: &str) {
+    pub fn pair<T: PartialEq>(&mut self, field: impl Display, (a, b): (T, T), kind: &str) {
         if a == b {
-            self.add(path, format!("a {kind} given twice"), &format!("name two {kind}s"));
+            self.add(field, format!("a {kind} given twice"), format!("name two {kind}s"));
         }
     }
 
     /// Checks that names are not empty and are unique.
-    pub(super) fn unique<'n>(
-        &mut self,
-        kind: &str,
-        names: impl IntoIterator<Item = (String, &'n str)>,
-    ) {
+    pub fn unique<'n>(&mut self, kind: &str, names: impl IntoIterator<Item = (String, &'n str)>) {
         let mut seen: BTreeMap<&str, String> = BTreeMap::new();
         for (path, name) in names {
             if name.trim().is_empty() {
-                self.add(format_args!("{path}"), format!("empty {kind}"), "give a name");
+                self.add(path, format!("empty {kind}"), "give a name");
             } else if let Some(first) = seen.get(name) {
                 let message = format!("{kind} given twice (`{name}`)");
-                let help = format!("it is also that of {first}");
-                self.add(format_args!("{path}"), message, &help);
+                self.add(path, message, format!("it is also that of {first}"));
             } else {
                 seen.insert(name, path);
             }

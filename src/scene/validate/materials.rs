@@ -1,48 +1,84 @@
-//! Contact and bond laws.
-
-use std::fmt::Arguments;
+//! Contact and bond laws, and the analyses that their restitution permits.
 
 use clastic_components::domain;
 
-use crate::scene::format::{Bond, Contact, Scatter, Spread};
-use crate::scene::spans::join;
+use crate::scene::format::{Analysis, Bond, Contact, Scatter, Scene, Spread, Stage};
 
-use super::findings::Findings;
-use super::restitution;
+use super::findings::At;
 
-pub(super) fn check(findings: &mut Findings) {
-    for (name, material) in &findings.context.scene.materials {
-        let path = join("materials", name);
-        let path = path.as_str();
+pub(super) fn check(at: &mut At) {
+    for (name, material) in &at.context.scene.materials {
+        let at = &mut at.entry("materials", name);
         if name.trim().is_empty() {
-            let message = "empty name of a material".to_owned();
-            findings.add_at_key(format_args!("{path}"), message, "give it a name");
+            at.add_at_key("empty name of a material", "give it a name");
         }
-        let density = material.density;
-        findings.positive(format_args!("{path}.density"), density, "a density in kg/m^3");
-        contact(format_args!("{path}.contact"), material.contact, findings);
-        bond(format_args!("{path}.bond"), material.bond, findings);
+        at.positive("density", material.density, "a density in kg/m^3");
+        contact(&mut at.field("contact"), material.contact);
+        bond(&mut at.field("bond"), material.bond);
+    }
+}
+
+/// Checks the contact law of a material or a wall.
+pub(super) fn contact(at: &mut At, contact: Contact) {
+    law(at, contact.stiffnesses(), [contact.friction, contact.rolling_friction]);
+    let of = contact.restitution;
+    let fine = at.within("restitution", of, domain::RESTITUTION);
+    if fine && of > 0.0 && contact.stiffnesses() != [None; 3] {
+        let message = format!("restitution of an elastic contact ({of:?})");
+        let help = "leave out the stiffnesses, for a rigid contact, or the restitution: the springs of a \
+                    contact determine how it rebounds";
+        at.add("restitution", message, help);
+    }
+}
+
+/// Checks the optional bond law of a material or of cement.
+pub(super) fn bond(at: &mut At, bond: Option<Bond>) {
+    let Some(bond) = bond else { return };
+    law(at, bond.stiffnesses(), [bond.friction, bond.rolling_friction]);
+    at.within("cohesion", bond.cohesion, domain::COHESION);
+    at.within("tensile_strength", bond.tensile_strength, domain::TENSILE_STRENGTH);
+    if let Some(of) = &bond.scatter {
+        scatter(&mut at.field("scatter"), &bond, of);
     }
 }
 
 /// Checks the bond law of a wall, which does not scatter.
-pub(super) fn bond_of_wall(path: Arguments, of: Option<Bond>, findings: &mut Findings) {
-    bond(path, of, findings);
+pub(super) fn bond_of_wall(at: &mut At, of: Option<Bond>) {
+    bond(at, of);
     if of.is_some_and(|bond| bond.scatter.is_some()) {
         let help = "give it to the material, or to the `bond` of a stage `Cement`";
-        findings.add(format_args!("{path}.scatter"), "bonds of a wall do not scatter", help);
+        at.add("scatter", "bonds of a wall do not scatter", help);
+    }
+}
+
+/// Checks what contacts and bonds have in common.
+fn law(at: &mut At, [normal, tangential, rolling]: [Option<f64>; 3], frictions: [f64; 2]) {
+    let mut stiffness = |field: &str, value: Option<f64>, unit: &str| {
+        let what = format!("a stiffness in {unit} greater than 0, or leave it out for a rigid law");
+        at.number(field, value, |stiffness| stiffness > 0.0, &what)
+    };
+    stiffness("normal_stiffness", normal, "N/m");
+    stiffness("tangential_stiffness", tangential, "N/m");
+    let is_fine = stiffness("rolling_stiffness", rolling, "N m/rad");
+    let [friction, rolling_friction] = frictions;
+    at.within("friction", friction, domain::COEFFICIENT);
+    at.within("rolling_friction", rolling_friction, domain::COEFFICIENT);
+    if is_fine && rolling.is_some() && rolling_friction == 0.0 {
+        let message = "a rolling stiffness without a rolling moment";
+        let help =
+            "give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out";
+        at.add("rolling_stiffness", message, help);
     }
 }
 
 /// Checks the scatter of a bond law.
-fn scatter(path: Arguments, bond: &Bond, scatter: &Scatter, findings: &mut Findings) {
+fn scatter(at: &mut At, bond: &Bond, scatter: &Scatter) {
     let Scatter { strength, stiffness, cohesion, tensile_strength, .. } = scatter;
     let Scatter { normal_stiffness, tangential_stiffness, .. } = scatter;
     let (normal, tangential) = (bond.normal_stiffness, bond.tangential_stiffness);
-    let is_elastic = [normal, tangential, bond.rolling_stiffness].iter().any(Option::is_some);
     let spreads = [
         ("strength", strength, true),
-        ("stiffness", stiffness, is_elastic),
+        ("stiffness", stiffness, bond.stiffnesses() != [None; 3]),
         ("cohesion", cohesion, true),
         ("tensile_strength", tensile_strength, true),
         ("normal_stiffness", normal_stiffness, normal.is_some()),
@@ -50,90 +86,73 @@ fn scatter(path: Arguments, bond: &Bond, scatter: &Scatter, findings: &mut Findi
     ];
     if spreads.iter().all(|(_, spread, _)| spread.is_none()) {
         let help = "name what scatters, as in `strength: Weibull(modulus: 4.0)`";
-        findings.add(path, "nothing scatters", help);
+        at.add("", "nothing scatters", help);
     }
     for (name, spread, is_elastic) in spreads {
-        let path = format_args!("{path}.{name}");
+        let at = &mut at.field(name);
         match *spread {
             None => continue,
             Some(Spread::Weibull { modulus }) => {
                 let allowed = |m| (0.2..=1000.0).contains(&m);
-                let what = "a modulus of 0.2 to 1000";
-                findings.number(format_args!("{path}.modulus"), modulus, allowed, what);
+                at.number("modulus", modulus, allowed, "a modulus of 0.2 to 1000");
             }
             Some(Spread::LogNormal { deviation }) => {
                 let allowed = |s| (0.0..=3.0).contains(&s);
                 let what = "a standard deviation of the logarithm of 0 to 3";
-                findings.number(format_args!("{path}.deviation"), deviation, allowed, what);
+                at.number("deviation", deviation, allowed, what);
             }
         }
         if !is_elastic {
             let help = "give the law this stiffness, or leave the scatter out";
-            findings.add(path, "the law is rigid, and has no stiffness to scatter", help);
+            at.add("", "the law is rigid, and has no stiffness to scatter", help);
         }
-        let both = match name {
+        let (name, both) = match name {
             "cohesion" | "tensile_strength" => ("strength", strength),
             "normal_stiffness" | "tangential_stiffness" => ("stiffness", stiffness),
             _ => continue,
         };
-        if both.1.is_some() {
-            let message = format!("it scatters with `{}` already", both.0);
-            findings.add(path, message, "leave one of the two out");
+        if both.is_some() {
+            let message = format!("it scatters with `{name}` already");
+            at.add("", message, "leave one of the two out");
         }
     }
 }
 
-/// Checks the optional bond law of a material or a wall.
-pub(super) fn bond(path: Arguments, bond: Option<Bond>, findings: &mut Findings) {
-    let Some(bond) = bond else { return };
-    stiffnesses(path, (bond.normal_stiffness, bond.tangential_stiffness), findings);
-    frictions(path, (bond.friction, bond.rolling_friction), findings);
-    rolling(path, (bond.rolling_stiffness, bond.rolling_friction), findings);
-    findings.within(format_args!("{path}.cohesion"), bond.cohesion, domain::COHESION);
-    let path_of_strength = format_args!("{path}.tensile_strength");
-    findings.within(path_of_strength, bond.tensile_strength, domain::TENSILE_STRENGTH);
-    if let Some(of) = &bond.scatter {
-        scatter(format_args!("{path}.scatter"), &bond, of, findings);
+/// Checks theta of dynamic stages. With restitution velocities have theta = 1, and springs require
+/// theta = 1 as well.
+pub(super) fn restitution(at: &mut At) {
+    let scene = at.context.scene;
+    let parts = ["materials", "walls", "analysis", "stages"];
+    if !scene.has_restitution() || !has_springs(scene) || !at.are_sure_of(&parts) {
+        return;
+    }
+    let has_analysis = |stage: &Stage| stage.load().is_some() || matches!(stage, Stage::Custom(_));
+    if scene.stages.iter().any(|stage| has_analysis(stage) && stage.analysis().is_none()) {
+        theta(at, Some(scene.analysis));
+    }
+    for (i, stage) in scene.stages.iter().enumerate() {
+        theta(&mut at.item("stages", i), stage.analysis());
     }
 }
 
-/// Checks the contact law of a material or a wall.
-pub(super) fn contact(path: Arguments, contact: Contact, findings: &mut Findings) {
-    stiffnesses(path, (contact.normal_stiffness, contact.tangential_stiffness), findings);
-    frictions(path, (contact.friction, contact.rolling_friction), findings);
-    rolling(path, (contact.rolling_stiffness, contact.rolling_friction), findings);
-    restitution::law(path, contact, findings);
-}
-
-fn stiffnesses(
-    path: Arguments,
-    (normal, tangential): (Option<f64>, Option<f64>),
-    findings: &mut Findings,
-) {
-    let what = "a stiffness in N/m greater than 0, or leave it out for a rigid law";
-    for (name, value) in [("normal", normal), ("tangential", tangential)] {
-        if let Some(value) = value {
-            let path = format_args!("{path}.{name}_stiffness");
-            findings.number(path, value, |value| value > 0.0, what);
-        }
+fn theta(at: &mut At, analysis: Option<Analysis>) {
+    if let Some(Analysis::Dynamic { theta, .. }) = analysis
+        && theta > 0.0
+        && theta < 1.0
+    {
+        let message = format!("theta below 1 ({theta:?}) in a scene with restitution and springs");
+        let help = "give 1.0: impacts need velocities at the end of the increment, and theta weighs the forces \
+                    of springs at its start; or leave out the restitution, or the stiffnesses of contacts and bonds";
+        at.add("analysis.theta", message, help);
     }
 }
 
-/// Checks the elasticity of rolling.
-fn rolling(path: Arguments, (stiffness, friction): (Option<f64>, f64), findings: &mut Findings) {
-    let Some(stiffness) = stiffness else { return };
-    let path = format_args!("{path}.rolling_stiffness");
-    let what = "a stiffness in N m/rad greater than 0, or leave it out for a rigid law";
-    let is_fine = findings.number(path, stiffness, |stiffness| stiffness > 0.0, what);
-    if is_fine && friction == 0.0 {
-        let message = "a rolling stiffness without a rolling moment";
-        let help =
-            "give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out";
-        findings.add(path, message, help);
-    }
-}
-
-fn frictions(path: Arguments, (friction, rolling): (f64, f64), findings: &mut Findings) {
-    findings.within(format_args!("{path}.friction"), friction, domain::COEFFICIENT);
-    findings.within(format_args!("{path}.rolling_friction"), rolling, domain::COEFFICIENT);
+/// Whether a law of the scene has a stiffness.
+fn has_springs(scene: &Scene) -> bool {
+    let materials = scene.materials.values().map(|m| (m.contact, m.bond));
+    let walls = scene.walls.iter().map(|w| (w.contact, w.bond));
+    materials.chain(walls).any(|(contact, bond)| {
+        contact.stiffnesses() != [None; 3]
+            || bond.is_some_and(|bond| bond.stiffnesses() != [None; 3])
+    })
 }

@@ -1,18 +1,14 @@
 //! Definitions of strain and stress, and further measures.
 
-use std::fmt::Arguments;
-
 use crate::scene::format::{
     Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
 };
 
-use super::ASKEW;
-use super::crossing::inward;
-use super::findings::Findings;
-use super::places::length;
+use super::findings::At;
+use super::parts::one_piece;
+use super::places::{are_alike, are_opposite, distance, length};
 use super::references::index_exists;
 use super::select::select;
-use super::thin_walls::one_piece;
 use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
 
 /// Whether a column of the history has this name already.
@@ -20,108 +16,46 @@ fn is_taken(name: &str) -> bool {
     COLUMNS.contains(&name) || ENERGY_COLUMNS.contains(&name)
 }
 
-pub(super) fn check(findings: &mut Findings) {
-    let context = findings.context;
+pub(super) fn check(at: &mut At) {
+    let context = at.context;
     if let Some(stage) = &context.scene.reference_stage {
-        let path = format_args!("reference_stage");
-        findings.reference(path, stage, ("stage", "stages"), &context.stages);
+        at.reference("reference_stage", stage, ("stage", "stages"), &context.stages);
     }
     let list = &context.scene.measures;
-    if findings.is_sure_of("measures") {
+    if at.is_sure_of("measures") {
         let names = list.iter().enumerate();
         let names = names.map(|(i, measure)| (format!("measures[{i}].name"), &*measure.name));
-        findings.unique("name of a measure", names);
+        at.unique("name of a measure", names);
     }
     for (i, Measure { name, of }) in list.iter().enumerate() {
-        let path = format_args!("measures[{i}].of");
+        let at = &mut at.item("measures", i);
         let role = ROLES.iter().position(|role| role == name);
-        let fits = match role {
-            Some(0 | 1) => matches!(of, Quantity::Strain(_)),
-            Some(_) => matches!(of, Quantity::Stress(_)),
-            None => true,
-        };
-        let other = role.and(no_normal_strain(of));
-        if let Some((what, such_as)) = other.filter(|_| findings.is_sure_of_part(path)) {
-            let help = format!("measure it under another name, such as `{such_as}`");
-            findings.add(path, format!("a {what} as `{name}`"), &help);
-        }
-        if !fits && findings.is_sure_of_part(path) {
-            let kind = if name.ends_with("strain") { "Strain" } else { "Stress" };
-            let message = format!("`{name}` is the name of a {}", kind.to_lowercase());
-            let help = format!("write `of: {kind}(...)`, or give another name");
-            findings.add(path, message, &help);
+        if role.is_some() && at.is_sure("of") {
+            names_a_role(at, name, of);
         }
         if role.is_none() && is_taken(name) {
-            let path = format_args!("measures[{i}].name");
             let message = format!("the history has a column of this name (`{name}`)");
-            findings.add(path, message, "give another name");
+            at.add("name", message, "give another name");
         }
-        match of {
-            Quantity::Strain(of) => strain(path, of, findings),
-            Quantity::Stress(of) => stress(path, of, findings),
-            Quantity::Porosity(of) => area(path, of, findings),
-            Quantity::WallForce { wall: name, .. } => {
-                wall(format_args!("{path}.wall"), name, findings);
-            }
-            Quantity::VolumetricStrain => needs_strains(path, findings),
-            Quantity::DilationAngle { over } => {
-                let allowed = |over| (0.0..1.0).contains(&over);
-                let what = "an axial strain as a fraction, 0.002 is 0.2 %";
-                findings.number(format_args!("{path}.over"), *over, allowed, what);
-                needs_strains(path, findings);
-            }
-            Quantity::GroupForce { select: of, .. } => {
-                select(format_args!("{path}.select"), of, findings);
-            }
-            Quantity::Membrane { membrane: name, .. } => {
-                membrane(format_args!("{path}.membrane"), name, findings);
-            }
-            Quantity::Poured(Amount::Share) => {
-                let help = "write `Number` or `Mass`";
-                findings.add(format_args!("{path}[0]"), "a share of what is still to come", help);
-            }
-            Quantity::Grains { min, max, moved, .. } => {
-                let far = f64::MAX;
-                for (field, corner) in [("min", min), ("max", max)] {
-                    if let Some(corner) = corner {
-                        let path = format_args!("{path}.{field}");
-                        findings.vector(path, *corner, "a place in m");
-                    }
-                }
-                let corners = (min.unwrap_or((-far, -far)), max.unwrap_or((far, far)));
-                if corners.0.0 >= corners.1.0 || corners.0.1 >= corners.1.1 {
-                    let help = "give a rectangle with an area";
-                    findings.add(
-                        format_args!("{path}.max"),
-                        "not above and to the right of min",
-                        help,
-                    );
-                }
-                findings.not_negative(format_args!("{path}.moved"), *moved, "a displacement in m");
-            }
-            Quantity::Ring { centre, radii, .. } => {
-                findings.vector(format_args!("{path}.centre"), *centre, "a place in m");
-                findings.range(format_args!("{path}.radii"), *radii, "radii in m");
-            }
-            Quantity::Custom(name) if name.trim().is_empty() => {
-                let help = "name a measure that a plugin of the program provides";
-                findings.add(format_args!("{path}[0]"), "no name", help);
-            }
-            Quantity::Coordination { .. }
-            | Quantity::Fabric { .. }
-            | Quantity::Fragments(_)
-            | Quantity::Cracks { .. }
-            | Quantity::Broken(_)
-            | Quantity::BrokenShare(_)
-            | Quantity::KineticEnergy
-            | Quantity::ElasticEnergy
-            | Quantity::KineticOverElastic
-            | Quantity::Poured(_)
-            | Quantity::Gravity
-            | Quantity::StrengthFactor
-            | Quantity::Time
-            | Quantity::Custom(_) => {}
-        }
+        quantity(&mut at.field("of"), of);
+    }
+}
+
+/// Checks that a measure under the name of one of [`ROLES`] is a normal strain or a stress.
+fn names_a_role(at: &mut At, name: &str, of: &Quantity) {
+    if let Some((what, such_as)) = no_normal_strain(of) {
+        let help = format!("measure it under another name, such as `{such_as}`");
+        at.add("of", format!("a {what} as `{name}`"), help);
+    }
+    let (kind, fits) = if name.ends_with("strain") {
+        ("Strain", matches!(of, Quantity::Strain(_)))
+    } else {
+        ("Stress", matches!(of, Quantity::Stress(_)))
+    };
+    if !fits {
+        let message = format!("`{name}` is the name of a {}", kind.to_lowercase());
+        let help = format!("write `of: {kind}(...)`, or give another name");
+        at.add("of", message, help);
     }
 }
 
@@ -142,126 +76,167 @@ fn no_normal_strain(of: &Quantity) -> Option<(&'static str, &'static str)> {
     }
 }
 
-fn strain(path: Arguments, strain: &Strain, findings: &mut Findings) {
+fn quantity(at: &mut At, of: &Quantity) {
+    match of {
+        Quantity::Strain(of) => strain(at, of),
+        Quantity::Stress(of) => stress(at, of),
+        Quantity::Porosity(of) => area(at, of),
+        Quantity::WallForce { wall: name, .. } => wall(at, "wall", name),
+        Quantity::VolumetricStrain => needs_strains(at),
+        Quantity::DilationAngle { over } => {
+            let allowed = |over| (0.0..1.0).contains(&over);
+            at.number("over", *over, allowed, "an axial strain as a fraction, 0.002 is 0.2 %");
+            needs_strains(at);
+        }
+        Quantity::GroupForce { select: of, .. } => select(&mut at.field("select"), of),
+        Quantity::Membrane { membrane: name, .. } => membrane(at, "membrane", name),
+        Quantity::Poured(Amount::Share) => {
+            at.add("[0]", "a share of what is still to come", "write `Number` or `Mass`");
+        }
+        Quantity::Grains { min, max, moved, .. } => {
+            at.place("min", *min);
+            at.place("max", *max);
+            let (low, high) =
+                (min.unwrap_or((f64::MIN, f64::MIN)), max.unwrap_or((f64::MAX, f64::MAX)));
+            if low.0 >= high.0 || low.1 >= high.1 {
+                let message = "not above and to the right of min";
+                at.add("max", message, "give a rectangle with an area");
+            }
+            at.not_negative("moved", *moved, "a displacement in m");
+        }
+        Quantity::Ring { centre, radii, .. } => {
+            at.place("centre", *centre);
+            at.range("radii", *radii, "radii in m");
+        }
+        Quantity::Custom(name) if name.trim().is_empty() => {
+            at.add("[0]", "no name", "name a measure that a plugin of the program provides");
+        }
+        Quantity::Coordination { .. }
+        | Quantity::Fabric { .. }
+        | Quantity::Fragments(_)
+        | Quantity::Cracks { .. }
+        | Quantity::Broken(_)
+        | Quantity::BrokenShare(_)
+        | Quantity::KineticEnergy
+        | Quantity::ElasticEnergy
+        | Quantity::KineticOverElastic
+        | Quantity::Poured(_)
+        | Quantity::Gravity
+        | Quantity::StrengthFactor
+        | Quantity::Time
+        | Quantity::Custom(_) => {}
+    }
+}
+
+fn strain(at: &mut At, strain: &Strain) {
     match strain {
         Strain::Walls(a, b) => {
-            two_walls(path, (a, b), findings);
-            towards_each_other(path, (a, b), findings);
+            two_walls(at, (a, b));
+            towards_each_other(at, (a, b));
         }
         Strain::Particles(a, b) => {
-            index_exists(format_args!("{path}[0]"), *a, findings);
-            index_exists(format_args!("{path}[1]"), *b, findings);
-            findings.pair(path, (a, b), "particle");
+            index_exists(at, "[0]", *a);
+            index_exists(at, "[1]", *b);
+            at.pair("", (a, b), "particle");
         }
-        Strain::Membrane(name) => membrane(format_args!("{path}[0]"), name, findings),
+        Strain::Membrane(name) => membrane(at, "[0]", name),
         Strain::Region { min, max, .. } => {
-            findings.rectangle(path, *min, *max);
+            at.rectangle(*min, *max);
         }
-        Strain::Cell(_) => has_cell(path, findings),
+        Strain::Cell(_) => has_cell(at),
     }
 }
 
 /// Checks that a strain is not that between two walls of which one is drawn from its end to its start:
 /// a wall that comes at the outermost particles would come from the other side.
-fn towards_each_other(path: Arguments, (a, b): (&str, &str), findings: &mut Findings) {
+fn towards_each_other(at: &mut At, (a, b): (&str, &str)) {
     let find = |name: &str| {
-        let wall = findings.context.wall(name);
+        let wall = at.context.wall(name);
         wall.filter(|wall| wall.shape.is_straight() && length(wall) > 0.0)
     };
     let (Some(first), Some(second)) = (find(a), find(b)) else { return };
-    if a == b || !findings.are_sound(&["walls", "specimen"]) {
+    if a == b || !at.are_sound(&["walls", "specimen"]) {
         return;
     }
-    let (n, m) = (inward(first), inward(second));
-    let way = (second.start.0 - first.start.0) * n.0 + (second.start.1 - first.start.1) * n.1;
     let both_come = !first.is_placed() && !second.is_placed();
-    if n.0 * m.0 + n.1 * m.1 > 1.0 - ASKEW {
+    if are_alike(first, second) {
         let what = format!("walls `{a}` and `{b}` have their insides on the same side");
-        findings.add(path, what, "exchange start and end of one of them");
-    } else if both_come && way < 0.0 && n.0 * m.0 + n.1 * m.1 < ASKEW - 1.0 {
+        at.add("", what, "exchange start and end of one of them");
+    } else if both_come && are_opposite(first, second) && distance(first, second) < 0.0 {
         let what = format!("walls `{a}` and `{b}` have their outsides towards each other");
-        findings.add(path, what, "exchange start and end of both");
+        at.add("", what, "exchange start and end of both");
     }
 }
 
 /// For measures that follow from axial and lateral strain.
-fn needs_strains(path: Arguments, findings: &mut Findings) {
-    needs(path, &ROLES[..2], findings);
-}
-
-/// For measures that follow from those of [`ROLES`].
-fn needs(path: Arguments, names: &[&str], findings: &mut Findings) {
-    for name in names {
-        if findings.context.scene.measure(name).is_none() && findings.is_sure_of("measures") {
-            let help = format!("add a measure `{name}`");
-            findings.add(path, format!("it follows from `{name}`, which is not measured"), &help);
+fn needs_strains(at: &mut At) {
+    for name in &ROLES[..2] {
+        if at.context.scene.measure(name).is_none() && at.is_sure_of("measures") {
+            let message = format!("it follows from `{name}`, which is not measured");
+            at.add("", message, format!("add a measure `{name}`"));
         }
     }
 }
 
-fn stress(path: Arguments, stress: &Stress, findings: &mut Findings) {
+fn stress(at: &mut At, stress: &Stress) {
     match stress {
         Stress::Walls { walls, length } => {
             if walls.is_empty() {
-                findings.add(format_args!("{path}.walls"), "no walls", "name one or more");
+                at.add("walls", "no walls", "name one or more");
             }
             for (i, name) in walls.iter().enumerate() {
-                wall(format_args!("{path}.walls[{i}]"), name, findings);
+                wall(&mut at.item("walls", i), "", name);
             }
-            let path = format_args!("{path}.length");
+            let at = &mut at.field("length");
             match length {
                 Length::Fixed(length) => {
-                    findings.positive(format_args!("{path}[0]"), *length, "a length in m");
+                    at.positive("[0]", *length, "a length in m");
                 }
-                Length::Between(a, b) => two_walls(path, (a, b), findings),
-                Length::Membrane(name) => {
-                    membrane(format_args!("{path}[0]"), name, findings);
-                }
+                Length::Between(a, b) => two_walls(at, (a, b)),
+                Length::Membrane(name) => membrane(at, "[0]", name),
             }
         }
-        Stress::Average { area: over, .. } => {
-            area(format_args!("{path}.area"), over, findings);
-        }
+        Stress::Average { area: over, .. } => area(&mut at.field("area"), over),
         Stress::Region { min, max, .. } => {
-            findings.rectangle(path, *min, *max);
+            at.rectangle(*min, *max);
         }
-        Stress::Membrane(name) => membrane(format_args!("{path}[0]"), name, findings),
+        Stress::Membrane(name) => membrane(at, "[0]", name),
     }
 }
 
-fn area(path: Arguments, area: &Area, findings: &mut Findings) {
+fn area(at: &mut At, area: &Area) {
     match area {
         Area::Fixed(area) => {
-            findings.positive(format_args!("{path}[0]"), *area, "an area in m^2");
+            at.positive("[0]", *area, "an area in m^2");
         }
-        Area::Cell => has_cell(path, findings),
+        Area::Cell => has_cell(at),
         Area::Box(a, b) => {
-            two_walls(format_args!("{path}[0]"), (&a.0, &a.1), findings);
-            two_walls(format_args!("{path}[1]"), (&b.0, &b.1), findings);
+            two_walls(&mut at.item("", 0), (&a.0, &a.1));
+            two_walls(&mut at.item("", 1), (&b.0, &b.1));
         }
-        Area::Membrane(name) => membrane(format_args!("{path}[0]"), name, findings),
+        Area::Membrane(name) => membrane(at, "[0]", name),
     }
 }
 
-fn has_cell(path: Arguments, findings: &mut Findings) {
-    if findings.context.scene.cell.is_none() && findings.is_sure_of("cell") {
-        let help = "add `cell: (size: (WIDTH, HEIGHT))` to the scene";
-        findings.add(path, "no periodic cell", help);
+fn has_cell(at: &mut At) {
+    if at.context.scene.cell.is_none() && at.is_sure_of("cell") {
+        at.add("", "no periodic cell", "add `cell: (size: (WIDTH, HEIGHT))` to the scene");
     }
 }
 
-fn two_walls(path: Arguments, (a, b): (&str, &str), findings: &mut Findings) {
-    wall(format_args!("{path}[0]"), a, findings);
-    wall(format_args!("{path}[1]"), b, findings);
-    findings.pair(path, (a, b), "wall");
+fn two_walls(at: &mut At, (a, b): (&str, &str)) {
+    wall(at, "[0]", a);
+    wall(at, "[1]", b);
+    at.pair("", (a, b), "wall");
 }
 
-fn wall(path: Arguments, name: &str, findings: &mut Findings) {
-    findings.reference(path, name, ("wall", "walls"), &findings.context.walls);
+fn wall(at: &mut At, field: &str, name: &str) {
+    at.wall(field, name);
     let help = "name a wall of one piece; `probe` records the force on a polyline";
-    one_piece(path, name, ("place and normal", help), findings);
+    one_piece(at, field, name, ("place and normal", help));
 }
 
-fn membrane(path: Arguments, name: &str, findings: &mut Findings) {
-    findings.reference(path, name, ("membrane", "stages"), &findings.context.membranes);
+fn membrane(at: &mut At, field: &str, name: &str) {
+    let names = &at.context.membranes;
+    at.reference(field, name, ("membrane", "stages"), names);
 }

@@ -1,16 +1,12 @@
 //! Membranes in a stage: each is made once, and changed while it is there.
 
-use std::fmt::Arguments;
-
 use clastic_components::domain;
 
 use crate::scene::format::{Load, MembraneControl, Scene, Stage};
-use crate::scene::spans::join;
 use crate::scene::stored::{StoredMembrane, StoredSpecimen};
-use crate::scene::suggest;
 
-use super::findings::Findings;
-use super::parts::{face, straight, wall_there};
+use super::findings::At;
+use super::parts::{face, is_known, straight, wall_there};
 
 /// A present membrane, with the walls between which it lies.
 pub(super) type Skin = (String, Option<(String, String)>);
@@ -36,95 +32,80 @@ pub(super) fn names<'a>(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) 
 }
 
 /// Finds membranes where there can be none.
-pub(super) fn none(path: Arguments, what: &str, there: &[Skin], findings: &mut Findings) {
+pub(super) fn none(at: &mut At, what: &str, there: &[Skin]) {
     if let [(name, _), ..] = there
-        && findings.is_sure_of("stages")
+        && at.is_sure_of("stages")
     {
         let help = format!(
             "remove it in a loading stage before: `remove_membranes: [\"{name}\"]`, with walls \
              in its place"
         );
-        findings.add(path, format!("{what} with a membrane (`{name}`)"), &help);
+        at.add("", format!("{what} with a membrane (`{name}`)"), help);
     }
 }
 
 /// Checks the membranes of a stage; `there` are those that exist, and afterwards those that remain.
-pub(super) fn check(path: Arguments, stage: &Load, there: &mut Vec<Skin>, findings: &mut Findings) {
+pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<Skin>) {
     for (i, name) in stage.remove_membranes.iter().enumerate() {
-        if !there.iter().any(|(other, _)| other == name) && findings.is_sure_of("stages") {
-            let known: Vec<&str> = there.iter().map(|(name, _)| name.as_str()).collect();
-            let help = suggest::help(name, &known, "membranes");
-            let path = format_args!("{path}.remove_membranes[{i}]");
-            findings.add(path, format!("no membrane `{name}`"), &help);
-        }
+        let known = there.iter().map(|(name, _)| name.as_str());
+        is_known(&mut at.item("remove_membranes", i), name, known, "membrane");
         there.retain(|(other, _)| other != name);
     }
     for (name, walls) in there.iter() {
         let Some((a, b)) = walls else { continue };
-        let gone = |wall: &&String| findings.is_there(wall) == Some(false);
+        let gone = |wall: &&String| at.is_there(wall) == Some(false);
         if let Some(wall) = [a, b].into_iter().find(gone)
-            && findings.are_sure_of(&["stages", "walls"])
+            && at.are_sure_of(&["stages", "walls"])
         {
             let i = stage.remove_walls.iter().position(|other| other == wall).unwrap_or(0);
             let message = format!("membrane `{name}` ends at wall `{wall}`");
             let help = format!("remove the membrane as well: `remove_membranes: [\"{name}\"]`");
-            findings.add(format_args!("{path}.remove_walls[{i}]"), message, &help);
+            at.add(format_args!("remove_walls[{i}]"), message, help);
         }
     }
     for (name, control) in &stage.membranes {
-        let own = join(&format!("{path}.membranes"), name);
-        let own = format_args!("{own}");
-        let exists = there.iter().any(|(other, _)| other == name);
-        let pressure = format_args!("{own}.pressure");
-        findings.not_negative(pressure, control.pressure, "a pressure in Pa");
-        if exists {
-            is_there_already(own, name, control, findings);
+        let at = &mut at.entry("membranes", name);
+        at.not_negative("pressure", control.pressure, "a pressure in Pa");
+        if there.iter().any(|(other, _)| other == name) {
+            is_there_already(at, name, control);
         } else {
-            made(own, control, findings);
+            made(at, control);
             there.push((name.clone(), control.between.clone()));
         }
     }
 }
 
-fn is_there_already(
-    path: Arguments,
-    name: &str,
-    control: &MembraneControl,
-    findings: &mut Findings,
-) {
+fn is_there_already(at: &mut At, name: &str, control: &MembraneControl) {
     let given = [
         ("between", control.between.is_some()),
         ("sides", control.sides.is_some()),
         ("ball", control.ball.is_some()),
     ];
-    for (field, _) in given.iter().filter(|(_, given)| *given) {
-        if findings.is_sure_of("stages") {
+    for (field, is_given) in given {
+        if is_given && at.is_sure_of("stages") {
             let message = format!("membrane `{name}` is there already");
             let help = format!("leave `{field}` out, or remove the membrane first");
-            findings.add(format_args!("{path}.{field}"), message, &help);
+            at.add(field, message, help);
         }
     }
 }
 
-fn made(path: Arguments, control: &MembraneControl, findings: &mut Findings) {
-    if let Some(ball) = control.ball {
-        findings.within(format_args!("{path}.ball"), ball, domain::RADIUS);
-    }
+fn made(at: &mut At, control: &MembraneControl) {
+    at.within("ball", control.ball, domain::RADIUS);
     let Some((a, b)) = &control.between else {
         if control.sides.is_some() {
             let help = "name the two walls between which it lies, `between: (\"bottom\", \"top\")`";
-            findings.add(format_args!("{path}.sides"), "sides of a closed membrane", help);
+            at.add("sides", "sides of a closed membrane", help);
         }
         return;
     };
-    let walls = [(0, a), (1, b)].map(|(i, name)| {
-        let path = format_args!("{path}.between[{i}]");
-        let wall = wall_there(path, name, findings);
-        straight(path, wall, "name two straight walls", findings);
+    let walls = [("between[0]", a), ("between[1]", b)].map(|(field, name)| {
+        let wall = wall_there(at, field, name);
+        straight(at, field, wall, "name two straight walls");
         wall
     });
-    findings.pair(format_args!("{path}.between"), (a, b), "wall");
+    at.pair("between", (a, b), "wall");
     if a != b {
-        face(format_args!("{path}.between[1]"), walls, findings);
+        face(at, "between[1]", walls);
     }
 }

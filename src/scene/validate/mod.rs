@@ -2,23 +2,20 @@
 //!
 //! Every check adds a [`Finding`] and goes on, so that one run reports everything.
 
-mod accuracy;
-mod added_walls;
 mod bonds;
 mod carried;
 mod cell;
 mod crossing;
 mod cuts;
 mod findings;
+mod load;
 mod materials;
 mod measures;
 mod membranes;
-mod outline;
 mod parts;
 mod places;
 mod pour;
 mod references;
-mod restitution;
 mod rigid;
 mod select;
 mod selections;
@@ -32,12 +29,14 @@ mod thin_walls;
 mod wall_controls;
 mod walls;
 
+use std::collections::BTreeSet;
+
 use super::diagnostic::Finding;
-use super::format::{Scene, Specimen, Stage, Wall};
+use super::format::{Particle, Scene, Specimen, Stage, Wall};
 use super::memory;
 use super::stored::{StoredSpecimen, StoredState};
 use crate::run::minerals::specimen as cut_specimen;
-use crate::run::particles::ParticleSeed;
+use crate::run::particles::{BOUNDARY, ParticleSeed};
 use findings::Findings;
 pub(crate) use places::is_behind;
 
@@ -55,25 +54,23 @@ pub(super) fn findings(
 ) -> Vec<Finding> {
     let context = Context::new(scene, specimen);
     let mut findings = Findings::new(&context, made_up);
-    settings::check(&mut findings);
-    materials::check(&mut findings);
-    walls::check(&mut findings);
-    cell::check(&mut findings);
-    specimen::check(&mut findings);
-    cuts::check(&mut findings);
-    thin_walls::check(&mut findings);
-    select::groups(&mut findings);
-    stages::check(&mut findings);
-    restitution::check(&mut findings);
-    crossing::check(&mut findings);
-    added_walls::check(&mut findings);
-    selections::check(&mut findings);
-    measures::check(&mut findings);
+    let at = &mut findings.root();
+    settings::check(at);
+    materials::check(at);
+    walls::check(at);
+    cell::check(at);
+    specimen::check(at);
+    cuts::check(at);
+    thin_walls::check(at);
+    select::groups(at);
+    stages::check(at);
+    materials::restitution(at);
+    crossing::check(at);
+    walls::added(at);
+    selections::check(at);
+    measures::check(at);
     findings.into_list()
 }
-
-/// Maximum deviation of the normals of opposite walls (1 - cos).
-const ASKEW: f64 = 1e-9;
 
 /// The scene and the names in it.
 struct Context<'a> {
@@ -144,6 +141,22 @@ impl<'a> Context<'a> {
     /// Whether the specimen is known: one in a file has been read.
     fn is_read(&self) -> bool {
         self.specimen.is_some() || !matches!(self.scene.specimen, Specimen::File { .. })
+    }
+
+    /// The particles of a specimen that lists them.
+    fn listed(&self) -> &'a [Particle] {
+        match &self.scene.specimen {
+            Specimen::Particles(list) => list,
+            _ => &[],
+        }
+    }
+
+    /// Names of the groups to which particles of the specimen belong, but for those of a state.
+    fn groups_of_specimen(&self) -> BTreeSet<&'a str> {
+        let listed = self.listed().iter().filter_map(|particle| particle.group.as_deref());
+        let stored = self.specimen.into_iter().flat_map(|stored| &stored.groups).flatten();
+        let is_lattice = matches!(self.scene.specimen, Specimen::Lattice { .. });
+        listed.chain(stored.map(String::as_str)).chain(is_lattice.then_some(BOUNDARY)).collect()
     }
 
     /// The particles at the start.

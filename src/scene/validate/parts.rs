@@ -1,76 +1,106 @@
 //! Checks that stages and controls share.
 
-use std::fmt::Arguments;
+use std::fmt::Display;
 
-use crate::scene::format::{Motion, Wall};
+use crate::scene::format::{Motion, Wall, WallShape};
+use crate::scene::suggest;
 
-use super::ASKEW;
-use super::findings::Findings;
-use super::places::length;
-
-/// Kind of a wall, and the field that lists walls.
-pub(super) const WALL: (&str, &str) = ("wall", "walls");
+use super::findings::At;
+use super::places::{are_opposite, length};
 
 /// Checks a wall that a stage needs. Returns the wall if it exists.
 pub(super) fn wall_there<'a>(
-    path: Arguments,
+    at: &mut At<'_, 'a>,
+    field: impl Display,
     name: &str,
-    findings: &mut Findings<'a>,
 ) -> Option<&'a Wall> {
-    let context = findings.context;
-    if !findings.reference(path, name, WALL, &context.walls) {
+    if !at.wall(&field, name) {
         return None;
     }
-    if findings.is_there(name) == Some(true) {
-        return context.wall(name);
+    if at.is_there(name) == Some(true) {
+        return at.context.wall(name);
     }
-    if findings.are_sure_of(&["stages", "walls"]) {
+    if at.are_sure_of(&["stages", "walls"]) {
         let message = format!("wall `{name}` is not there in this stage");
-        findings.add(path, message, "bring it in with `add_walls`");
+        at.add(field, message, "bring it in with `add_walls`");
     }
     None
 }
 
 /// Checks that a wall, if it exists, is straight.
-pub(super) fn straight(path: Arguments, wall: Option<&Wall>, help: &str, findings: &mut Findings) {
+pub(super) fn straight(at: &mut At, field: impl Display, wall: Option<&Wall>, help: &str) {
     if let Some(wall) = wall.filter(|wall| !wall.shape.is_straight()) {
-        findings.add(path, format!("wall `{}` is not straight", wall.name), help);
+        at.add(field, format!("wall `{}` is not straight", wall.name), help);
+    }
+}
+
+/// Help where a control needs a wall of one piece.
+pub(super) const ONE_PIECE: &str = "name a wall of one piece";
+
+/// Checks a wall that a control or a measure needs as one straight or curved piece. `what` completes
+/// "has no one ...".
+pub(super) fn one_piece(at: &mut At, field: impl Display, name: &str, (what, help): (&str, &str)) {
+    let wall = at.context.wall(name);
+    if wall.is_some_and(|wall| matches!(wall.shape, WallShape::Polyline(_))) {
+        let message = format!("wall `{name}` is a polyline, which has no one {what}");
+        at.add(field, message, help);
     }
 }
 
 /// Checks that two walls, if they exist, are parallel, with their insides towards each other. One
 /// without a length is an error of its own.
-pub(super) fn face(path: Arguments, walls: [Option<&Wall>; 2], findings: &mut Findings) {
-    let [Some(a), Some(b)] = walls else { return };
-    let along = |wall: &Wall| (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
-    let (t, u) = (along(a), along(b));
-    let lengths = length(a) * length(b);
-    if lengths > 0.0 && (t.0 * u.0 + t.1 * u.1) / lengths > ASKEW - 1.0 {
+pub(super) fn face(at: &mut At, field: &str, walls: [Option<&Wall>; 2]) {
+    if let [Some(a), Some(b)] = walls
+        && length(a) > 0.0
+        && length(b) > 0.0
+        && !are_opposite(a, b)
+    {
         let message = format!("wall `{}` does not face wall `{}`", b.name, a.name);
         let help = "the two walls must be parallel, with their insides towards each other";
-        findings.add(path, message, help);
+        at.add(field, message, help);
     }
 }
 
-/// Finds a control by time in a stage that has none.
-pub(super) fn needs_time(path: Arguments, what: &str, findings: &mut Findings) {
-    if findings.is_timeless() && findings.is_sure_of("analysis") {
-        let help = "use `Displacement`, in every increment, or a dynamic analysis";
-        findings.add(path, format!("{what} in a static stage, which has no time"), help);
+/// Finds a control by time in a stage that has none. `instead` is one by increments.
+pub(super) fn needs_time(at: &mut At, field: &str, what: &str, instead: &str) {
+    if at.is_timeless() {
+        let message = format!("{what} in a static stage, which has no time");
+        let help = format!("use `{instead}`, in every increment, or a dynamic analysis");
+        at.add(field, message, help);
     }
 }
 
 /// Checks the motion along one degree of freedom, whose unit is m or rad.
-pub(super) fn motion(path: Arguments, motion: Motion, unit: &str, findings: &mut Findings) {
+pub(super) fn motion(at: &mut At, field: &str, motion: Motion, unit: &str) {
+    let number = format_args!("{field}[0]");
     match motion {
         Motion::Free | Motion::Held => {}
         Motion::Displacement(value) => {
-            let what = format!("a displacement in {unit}");
-            findings.finite(format_args!("{path}[0]"), value, &what);
+            at.finite(number, value, &format!("a displacement in {unit}"));
         }
         Motion::Velocity(value) => {
-            findings.finite(format_args!("{path}[0]"), value, &format!("a velocity in {unit}/s"));
-            needs_time(path, "a velocity", findings);
+            at.finite(number, value, &format!("a velocity in {unit}/s"));
+            needs_time(at, field, "a velocity", "Displacement");
         }
+    }
+}
+
+/// Checks the load at the end of a stage.
+pub(super) fn load(at: &mut At, force: Option<(f64, f64)>, moment: Option<f64>) {
+    at.vector("force", force, "a force in N");
+    at.finite("moment", moment, "a moment in N m");
+}
+
+/// Checks the name of something that is to go and must be there, as `known` are.
+pub(super) fn is_known<'n>(
+    at: &mut At,
+    name: &str,
+    known: impl Iterator<Item = &'n str>,
+    kind: &str,
+) {
+    let known: Vec<&str> = known.collect();
+    if !known.contains(&name) && at.is_sure_of("stages") {
+        let help = suggest::help(name, &known, &format!("{kind}s"));
+        at.add("", format!("no {kind} `{name}`"), help);
     }
 }

@@ -1,13 +1,29 @@
-//! Lengths of walls, and particles behind them.
+//! Where walls and particles are: no particle is behind a wall, or so far away that numbers are too
+//! coarse.
+
+use std::fmt::Display;
 
 use crate::scene::format::Wall;
+
+use super::findings::At;
+
+/// Maximum spacing of floating-point numbers at a disk, in radii.
+const COARSEST: f64 = 1e-4;
 
 /// Permitted distance of a centre behind a wall, in radii, for rounding in a generated scene.
 const BEHIND: f64 = 1e-6;
 
+/// Maximum deviation of the normals of opposite walls (1 - cos).
+const ASKEW: f64 = 1e-9;
+
 /// Spacing of floating-point numbers at a position, m.
-pub(super) fn finest((x, y): (f64, f64)) -> f64 {
+fn finest((x, y): (f64, f64)) -> f64 {
     f64::EPSILON * x.abs().max(y.abs())
+}
+
+/// Whether floating-point numbers at a disk are too coarse for it.
+pub(super) fn is_too_far(place: (f64, f64), radius: f64) -> bool {
+    finest(place) > COARSEST * radius
 }
 
 /// Whether the centre of a disk is on the outer side of a wall that is a line: also beyond the ends
@@ -25,4 +41,98 @@ pub fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
 /// Length of the drawn segment, m.
 pub(super) fn length(wall: &Wall) -> f64 {
     (wall.end.0 - wall.start.0).hypot(wall.end.1 - wall.start.1)
+}
+
+/// Unit normal on the left of the direction from start to end.
+pub(super) fn inward(wall: &Wall) -> (f64, f64) {
+    let length = length(wall);
+    ((wall.start.1 - wall.end.1) / length, (wall.end.0 - wall.start.0) / length)
+}
+
+/// Cosine of the angle between the inward normals of two walls.
+fn cosine(a: &Wall, b: &Wall) -> f64 {
+    let (n, m) = (inward(a), inward(b));
+    n.0 * m.0 + n.1 * m.1
+}
+
+/// Whether two straight walls are parallel, with their insides in the same direction.
+pub(super) fn are_alike(a: &Wall, b: &Wall) -> bool {
+    cosine(a, b) > 1.0 - ASKEW
+}
+
+/// Whether two straight walls are parallel, with their insides in opposite directions.
+pub(super) fn are_opposite(a: &Wall, b: &Wall) -> bool {
+    cosine(a, b) < ASKEW - 1.0
+}
+
+/// Distance from the line of a wall to the start of another along the inward normal, m.
+pub(super) fn distance(from: &Wall, to: &Wall) -> f64 {
+    let n = inward(from);
+    (to.start.0 - from.start.0) * n.0 + (to.start.1 - from.start.1) * n.1
+}
+
+/// Checks the corners of a specimen that a recipe makes.
+pub(super) fn outline(
+    at: &mut At,
+    low: (f64, f64),
+    high: (f64, f64),
+    (bottom, top): (f64, f64),
+    radius: f64,
+) {
+    // Particles that are cut away may lie behind a wall; `cuts` checks the others.
+    let scene = at.context.scene;
+    if scene.keep.is_some() || !at.are_sure_of(&["specimen", "walls"]) {
+        return;
+    }
+    let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
+    let far = corners.iter().copied().max_by(|a, b| finest(*a).total_cmp(&finest(*b)));
+    if let Some(far) = far {
+        not_too_far(at, "", "a corner of it", far, radius);
+    }
+    let outside = |wall: &&Wall| {
+        wall.present && corners.iter().any(|corner| is_behind(wall, *corner, radius))
+    };
+    if let Some(wall) = scene.walls.iter().find(outside) {
+        let message = format!("the specimen reaches behind wall `{}`", wall.name);
+        let help = "move its origin or the wall; a wall has its inside on the left of start to end";
+        at.add("", message, help);
+    }
+}
+
+/// Checks that floating-point numbers are fine enough at a disk.
+pub(super) fn not_too_far(
+    at: &mut At,
+    field: impl Display,
+    what: &str,
+    place: (f64, f64),
+    radius: f64,
+) {
+    if is_too_far(place, radius) {
+        let message = format!("{what} is too far from the origin {place:?}");
+        let step = finest(place);
+        let help = format!(
+            "numbers there are {step:.1e} m apart, too coarse for a radius of {radius:?} m"
+        );
+        at.add(field, message, help);
+    }
+}
+
+/// Checks that a disk is not behind a wall.
+pub(super) fn not_behind(
+    at: &mut At,
+    field: impl Display,
+    what: &str,
+    place: (f64, f64),
+    radius: f64,
+) {
+    let scene = at.context.scene;
+    if !at.is_sure_of("walls") || scene.keep.is_some() {
+        return;
+    }
+    let behind = |wall: &&Wall| wall.present && is_behind(wall, place, radius);
+    for wall in scene.walls.iter().filter(behind) {
+        let message = format!("{what} is behind wall `{}` {place:?}", wall.name);
+        let help = "move it inside; a wall has its inside on the left of start to end";
+        at.add(&field, message, help);
+    }
 }

@@ -1,15 +1,10 @@
 //! Rigid groups in a stage: each is made once, and controlled while it is there.
 
-use std::fmt::Arguments;
-
-use clastic_components::domain;
-
 use crate::scene::format::{Load, Motion, RigidControl};
-use crate::scene::spans::join;
 use crate::scene::suggest;
 
-use super::findings::Findings;
-use super::parts::{motion, wall_there};
+use super::findings::At;
+use super::parts::{is_known, load, motion, wall_there};
 use super::select::select;
 
 /// A group that exists, with those of its walls that the scene names.
@@ -24,111 +19,80 @@ pub(super) fn at_start(names: &[String]) -> Vec<There> {
 }
 
 /// Checks the groups of a stage; `there` are those that exist, and afterwards those that remain.
-pub(super) fn check(
-    path: Arguments,
-    stage: &Load,
-    there: &mut Vec<There>,
-    findings: &mut Findings,
-) {
+pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<There>) {
     for (i, name) in stage.release.iter().enumerate() {
-        let path = format_args!("{path}.release[{i}]");
-        is_there(path, name, there, findings);
+        let known = there.iter().map(|group| group.name.as_str());
+        is_known(&mut at.item("release", i), name, known, "rigid group");
         there.retain(|other| other.name != *name);
     }
     for (i, name) in stage.remove_walls.iter().enumerate() {
-        of_a_group(format_args!("{path}.remove_walls[{i}]"), name, there, findings);
+        of_a_group(&mut at.item("remove_walls", i), name, there);
     }
     for (name, control) in &stage.rigid {
-        let own = join(&format!("{path}.rigid"), name);
-        let own = format_args!("{own}");
+        let at = &mut at.entry("rigid", name);
         for (i, wall) in control.walls.iter().enumerate() {
-            let path = format_args!("{own}.walls[{i}]");
-            wall_there(path, wall, findings);
-            of_a_group(path, wall, there, findings);
+            let at = &mut at.item("walls", i);
+            wall_there(at, "", wall);
+            of_a_group(at, wall, there);
         }
-        if !control.makes() {
+        let is_there = there.iter().any(|group| group.name == *name);
+        if control.makes() && is_there && at.is_sure_of("stages") {
+            let message = format!("rigid group `{name}` is there already");
+            let field = if control.select.is_some() { "select" } else { "walls" };
+            at.add(field, message, "leave `select` and `walls` out, or release it first");
+        } else if !control.makes() && !is_there && at.is_sure_of("stages") {
             let known: Vec<&str> = there.iter().map(|group| group.name.as_str()).collect();
-            if !known.contains(&name.as_str()) && findings.is_sure_of("stages") {
-                let help = if known.is_empty() {
-                    "give `select` or `walls` to make it".to_owned()
-                } else {
-                    let which = suggest::help(name, &known, "rigid groups");
-                    format!("give `select` or `walls` to make it, or: {which}")
-                };
-                findings.add_at_key(own, format!("no rigid group `{name}`"), &help);
+            let mut help = "give `select` or `walls` to make it".to_owned();
+            if !known.is_empty() {
+                help += &format!(", or: {}", suggest::help(name, &known, "rigid groups"));
             }
-        } else if there.iter().any(|group| group.name == *name) {
-            if findings.is_sure_of("stages") {
-                let message = format!("rigid group `{name}` is there already");
-                let field = if control.select.is_some() { "select" } else { "walls" };
-                let help = "leave `select` and `walls` out, or release it first";
-                findings.add(format_args!("{own}.{field}"), message, help);
-            }
-        } else {
+            at.add_at_key(format!("no rigid group `{name}`"), help);
+        }
+        if control.makes() && !is_there {
             there.push(There { name: name.clone(), walls: control.walls.clone() });
         }
-        control_of_group(own, control, findings);
+        control_of_group(at, control);
     }
     for name in stage.walls.keys() {
-        let path = join(&format!("{path}.walls"), name);
-        of_a_group(format_args!("{path}"), name, there, findings);
+        of_a_group(&mut at.entry("walls", name), name, there);
     }
 }
 
 /// Finds a wall that is a member of a group and that the stage controls otherwise.
-fn of_a_group(path: Arguments, wall: &str, there: &[There], findings: &mut Findings) {
+fn of_a_group(at: &mut At, wall: &str, there: &[There]) {
     let of = there.iter().find(|group| group.walls.iter().any(|member| member == wall));
-    if let Some(group) = of.filter(|_| findings.is_sure_of("stages")) {
+    if let Some(group) = of.filter(|_| at.is_sure_of("stages")) {
         let message = format!("wall `{wall}` is a member of the rigid group `{}`", group.name);
         let help = format!("control the group, or end it with `release: [{:?}]`", group.name);
-        findings.add(path, message, &help);
+        at.add("", message, help);
     }
 }
 
-fn is_there(path: Arguments, name: &str, there: &[There], findings: &mut Findings) {
-    if !there.iter().any(|other| other.name == name) && findings.is_sure_of("stages") {
-        let known: Vec<&str> = there.iter().map(|group| group.name.as_str()).collect();
-        let help = suggest::help(name, &known, "rigid groups");
-        findings.add(path, format!("no rigid group `{name}`"), &help);
-    }
-}
-
-fn control_of_group(path: Arguments, control: &RigidControl, findings: &mut Findings) {
+fn control_of_group(at: &mut At, control: &RigidControl) {
     if let Some(wanted) = &control.select {
-        select(format_args!("{path}.select"), wanted, findings);
+        select(&mut at.field("select"), wanted);
     }
-    if let Some(about) = control.about {
-        let path = format_args!("{path}.about");
-        findings.vector(path, about, domain::PLACE.what);
-        if !control.makes() {
-            let help = "give it where the group is made";
-            findings.add(path, "the pivot of a group that exists", help);
-        }
+    at.place("about", control.about);
+    if control.about.is_some() && !control.makes() {
+        at.add("about", "the pivot of a group that exists", "give it where the group is made");
     }
     if control.about.is_none() && !control.walls.is_empty() {
         let help = "give `about: (x, y)`: walls have no mass, so that they have no centre of mass";
-        findings.add(format_args!("{path}.walls"), "a group with walls and without a pivot", help);
+        at.add("walls", "a group with walls and without a pivot", help);
     }
     for (field, wanted, unit) in control.motions() {
-        motion(format_args!("{path}.{field}"), wanted, unit, findings);
+        motion(at, field, wanted, unit);
     }
-    if let Some(force) = control.force {
-        findings.vector(format_args!("{path}.force"), force, "a force in N");
-    }
-    if let Some(moment) = control.moment {
-        findings.finite(format_args!("{path}.moment"), moment, "a moment in N m");
-    }
-    if let Some(stress) = control.stress {
-        findings.vector(format_args!("{path}.stress.value"), stress.value, "a stress in Pa");
-        findings.positive(format_args!("{path}.stress.length"), stress.length, "a length in m");
-    }
+    load(at, control.force, control.moment);
+    at.vector("stress.value", control.stress.map(|stress| stress.value), "a stress in Pa");
+    at.positive("stress.length", control.stress.map(|stress| stress.length), "a length in m");
     let (x, y) = control.total_force(1.0).unwrap_or_default();
     let moment = control.moment.unwrap_or_default();
     for ((field, wanted, _), load) in control.motions().into_iter().zip([x, y, moment]) {
         if wanted != Motion::Free && load != 0.0 {
             let message = format!("{field} is held or driven, and loaded too");
             let help = "a load has no effect there: leave it out, or leave the motion free";
-            findings.add(format_args!("{path}.{field}"), message, help);
+            at.add(field, message, help);
         }
     }
 }

@@ -6,40 +6,41 @@
 
 use std::collections::BTreeMap;
 
-use super::findings::Findings;
+use glam::DVec2;
+
+use super::findings::At;
 use crate::run::particles::ParticleSeed;
 use crate::run::select::{Candidate, selects};
 use crate::scene::format::{Select, Specimen, Stage};
 use crate::scene::spans::join;
 
-pub(super) fn check(findings: &mut Findings) {
-    let context = findings.context;
+pub(super) fn check(at: &mut At) {
+    let context = at.context;
     let scene = context.scene;
     let moves = |stage: &Stage| !matches!(stage, Stage::Cement(_) | Stage::Save(_));
     let unmoved = scene.stages.iter().position(moves);
     let Some((i, stage)) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
-    let is_read = match &scene.specimen {
-        Specimen::File { .. } => context.specimen.is_some(),
+    let is_known = match &scene.specimen {
         Specimen::State { .. } => context.starts_here(),
-        _ => true,
+        _ => context.is_read(),
     };
     // Rows are not indices where particles were taken away before.
     let has_gaps =
         context.specimen.is_some_and(|stored| stored.indices != stored.rows.len() as u64);
-    if !is_read || has_gaps || regions(stage, &scene.groups).next().is_none() {
+    if !is_known || has_gaps || regions(stage, &scene.groups).next().is_none() {
         return;
     }
     // An invalid recipe makes no particles.
-    let parts = ["specimen", "groups", "materials", "minerals", "keep"];
-    let fields = ["particles", "rigid", "select"].map(|field| format!("stages[{i}].{field}"));
-    if !findings.are_sound(&parts) || !fields.iter().all(|field| findings.is_sound(field)) {
+    let at = &mut at.item("stages", i);
+    let is_sound = at.are_sound(&["specimen", "groups", "materials", "minerals", "keep"])
+        && ["particles", "rigid", "select"].iter().all(|field| at.is_sound(&at.path(field)));
+    if !is_sound {
         return;
     }
     let seeds = context.at_start();
     let only = context.materials.first().filter(|_| context.materials.len() == 1);
     let probes: BTreeMap<u32, &str> =
         scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();
-    let centres: Vec<_> = seeds.iter().map(|seed| (seed.position.x, seed.position.y)).collect();
     for (entry, select) in regions(stage, &scene.groups) {
         let has = |(seed, index): (&ParticleSeed, u32)| {
             let of = Candidate {
@@ -53,13 +54,11 @@ pub(super) fn check(findings: &mut Findings) {
             selects(select, &scene.groups, &of)
         };
         if !seeds.iter().zip(0..).any(has) {
-            let path = format_args!("stages[{i}].{entry}");
-            if let Select::Box { .. } = select {
-                let message = "selects no particle: no centre is in the box";
-                findings.add(path, message, &bounds("a box that holds some", &centres));
-            } else {
-                findings.add(path, "selects no particle", &bounds("one that has some", &centres));
-            }
+            let (why, what) = match select {
+                Select::Box { .. } => (": no centre is in the box", "a box that holds some"),
+                _ => ("", "one that has some"),
+            };
+            at.add(entry, format!("selects no particle{why}"), bounds(what, &seeds));
         }
     }
 }
@@ -86,15 +85,14 @@ fn regions<'a>(
 }
 
 /// What to give instead, with the range of the centres.
-fn bounds(what: &str, centres: &[(f64, f64)]) -> String {
-    let Some(first) = centres.first() else { return "the specimen has no particles".to_owned() };
-    let (mut low, mut high) = (*first, *first);
-    for (x, y) in centres {
-        low = (low.0.min(*x), low.1.min(*y));
-        high = (high.0.max(*x), high.1.max(*y));
-    }
+fn bounds(what: &str, seeds: &[ParticleSeed]) -> String {
+    let centres = || seeds.iter().map(|seed| seed.position);
+    let (Some(low), Some(high)) = (centres().reduce(DVec2::min), centres().reduce(DVec2::max))
+    else {
+        return "the specimen has no particles".to_owned();
+    };
     format!(
         "give {what}: the centres are between ({:.4e}, {:.4e}) and ({:.4e}, {:.4e})",
-        low.0, low.1, high.0, high.1
+        low.x, low.y, high.x, high.y
     )
 }

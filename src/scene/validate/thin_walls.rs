@@ -2,9 +2,8 @@
 
 use glam::DVec2;
 
-use super::findings::Findings;
+use super::findings::At;
 use super::places::length;
-use clastic_components::domain;
 
 use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
@@ -16,121 +15,92 @@ use crate::scene::format::{Specimen, Wall, WallShape};
 const FLAT: f64 = 1e-6;
 
 /// Checks the points of a wall, whose ends are finite.
-pub(super) fn shape(i: usize, wall: &Wall, findings: &mut Findings) {
+pub(super) fn shape(at: &mut At, wall: &Wall) {
     match &wall.shape {
         WallShape::Line | WallShape::Segment => {
             if length(wall) <= 0.0 {
                 let message = format!("a wall of zero length ({:?} to {:?})", wall.start, wall.end);
-                findings.add(format_args!("walls[{i}].end"), message, "move its end");
+                at.add("end", message, "move its end");
             }
         }
-        WallShape::Polyline(corners) => polyline(i, wall, corners, findings),
-        WallShape::Arc { through } => arc(i, wall, *through, findings),
+        WallShape::Polyline(corners) => polyline(at, wall, corners),
+        WallShape::Arc { through } => arc(at, wall, *through),
     }
 }
 
-fn polyline(i: usize, wall: &Wall, corners: &[(f64, f64)], findings: &mut Findings) {
+fn polyline(at: &mut At, wall: &Wall, corners: &[(f64, f64)]) {
     let mut fine = true;
     for (k, corner) in corners.iter().enumerate() {
-        fine &= findings.vector(format_args!("walls[{i}].shape[{k}]"), *corner, domain::PLACE.what);
+        fine &= at.place(format_args!("shape[{k}]"), *corner);
     }
     if !fine {
         return;
     }
     if corners.is_empty() {
         let help = "give the corners between start and end, or write `Segment`";
-        findings.add(format_args!("walls[{i}].shape"), "a polyline without a corner", help);
+        at.add("shape", "a polyline without a corner", help);
     }
     let points: Vec<_> = [wall.start].iter().chain(corners).chain([&wall.end]).copied().collect();
     let twice = points.windows(2).position(|ends| ends[0] == ends[1]);
     if let Some(k) = twice.filter(|_| !corners.is_empty()) {
         let message = format!("a piece of zero length at {:?}", points[k]);
-        let help = "leave one of the two points out";
-        if k < corners.len() {
-            findings.add(format_args!("walls[{i}].shape[{k}]"), message, help);
-        } else {
-            findings.add(format_args!("walls[{i}].end"), message, help);
-        }
+        let field = if k < corners.len() { format!("shape[{k}]") } else { "end".to_owned() };
+        at.add(field, message, "leave one of the two points out");
     }
 }
 
-fn arc(i: usize, wall: &Wall, through: (f64, f64), findings: &mut Findings) {
-    let path = format_args!("walls[{i}].shape.through");
-    if !findings.vector(path, through, domain::PLACE.what) {
+fn arc(at: &mut At, wall: &Wall, through: (f64, f64)) {
+    if !at.place("shape.through", through) {
         return;
     }
-    let [start, through, end] = [wall.start, through, wall.end].map(DVec2::from);
-    let (chord, from) = (end - start, through - start);
-    if through == start || through == end {
+    let [start, point, end] = [wall.start, through, wall.end].map(DVec2::from);
+    let (chord, from) = (end - start, point - start);
+    if point == start || point == end {
         let help = "give a point between the ends; of a whole circle, the one opposite of start";
-        findings.add(path, "an end of the arc", help);
+        at.add("shape.through", "an end of the arc", help);
     } else if start != end && chord.perp_dot(from).abs() < FLAT * chord.length_squared() {
-        let place = (through.x, through.y);
-        let message = format!("on one line with start and end {place:?}");
-        findings.add(path, message, "give a point off the line, or write `shape: Segment`");
-    }
-}
-
-/// Help where a control needs a wall of one piece.
-pub(super) const ONE_PIECE: &str = "name a wall of one piece";
-
-/// A wall that a control or a measure needs as one straight or curved piece. The pair completes
-/// "has no one ..." and says what helps.
-pub(super) fn one_piece(
-    path: std::fmt::Arguments,
-    name: &str,
-    (what, help): (&str, &str),
-    findings: &mut Findings,
-) {
-    let wall = findings.context.wall(name);
-    if wall.is_some_and(|wall| matches!(wall.shape, WallShape::Polyline(_))) {
-        let message = format!("wall `{name}` is a polyline, which has no one {what}");
-        findings.add(path, message, help);
+        let message = format!("on one line with start and end {through:?}");
+        at.add("shape.through", message, "give a point off the line, or write `shape: Segment`");
     }
 }
 
 /// Checks the particles at the start: none is cut by a thin wall, and none is too large for the
 /// hollow side of an arc.
-pub(super) fn check(findings: &mut Findings) {
-    let context = findings.context;
+pub(super) fn check(at: &mut At) {
+    let context = at.context;
     let scene = context.scene;
     let thin = || scene.walls.iter().enumerate().filter(|(_, wall)| !wall.shape.is_line());
-    if thin().next().is_none() || !context.is_read() || !findings.are_sound(&["specimen", "walls"])
-    {
+    if thin().next().is_none() || !context.is_read() || !at.are_sound(&["specimen", "walls"]) {
         return;
     }
     let seeds = context.at_start();
     for (i, wall) in thin() {
         if let WallShape::Arc { .. } = wall.shape {
-            hollow(i, wall, &seeds, findings);
+            hollow(&mut at.item("walls", i), wall, &seeds);
         }
     }
-    let mut shown = 0;
-    for (i, seed) in seeds.iter().enumerate() {
-        let cut = thin().find(|(_, wall)| wall.present && is_cut(wall, seed.position, seed.radius));
-        let Some((_, wall)) = cut else { continue };
-        let place = (seed.position.x, seed.position.y);
+    let cut = seeds.iter().enumerate().filter_map(|(i, seed)| {
+        let cuts = |wall: &Wall| wall.present && is_cut(wall, seed.position, seed.radius);
+        Some((i, seed, thin().find(|(_, wall)| cuts(wall))?.1))
+    });
+    for (i, seed, wall) in cut.take(MAX_SHOWN) {
+        let place: (f64, f64) = seed.position.into();
         let message = format!("wall `{}` cuts through particle {i} at {place:?}", wall.name);
         let help = format!(
             "its centre is within {CUT:?} radii of the wall, so that its side is not clear: move it"
         );
-        match scene.specimen {
-            Specimen::Particles(_) => {
-                findings.add(format_args!("specimen[{i}].position"), message, &help);
-            }
-            Specimen::File { .. } => findings.add(format_args!("specimen.path"), message, &help),
-            _ => findings.add(format_args!("specimen"), message, &help),
-        }
-        shown += 1;
-        if shown == MAX_SHOWN {
-            return;
-        }
+        let field = match scene.specimen {
+            Specimen::Particles(_) => format!("specimen[{i}].position"),
+            Specimen::File { .. } => "specimen.path".to_owned(),
+            _ => "specimen".to_owned(),
+        };
+        at.add(field, message, help);
     }
 }
 
 /// A particle touches an arc at one point. On its hollow side it would touch both ends at once if
 /// it were larger than the arc, or larger than the mouth of an arc of more than half a circle.
-fn hollow(i: usize, wall: &Wall, seeds: &[ParticleSeed], findings: &mut Findings) {
+fn hollow(at: &mut At, wall: &Wall, seeds: &[ParticleSeed]) {
     let Some(piece) = pieces(wall).first().copied() else { return };
     let Some((radius, half_angle)) = piece.shape.circle() else { return };
     let largest = seeds.iter().map(|seed| seed.radius).fold(0.0, f64::max);
@@ -146,6 +116,6 @@ fn hollow(i: usize, wall: &Wall, seeds: &[ParticleSeed], findings: &mut Findings
              its ends at once"
         );
         let help = "draw it as a `Polyline`, or close it to a whole circle";
-        findings.add(format_args!("walls[{i}].shape"), message, help);
+        at.add("shape", message, help);
     }
 }

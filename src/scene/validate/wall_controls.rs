@@ -1,90 +1,75 @@
 //! Controls of walls in a stage.
 
-use std::fmt::Arguments;
-
 use clastic_components::domain;
 
 use crate::scene::format::{Analysis, LidLoad, Slide, Table, WallControl};
 use crate::scene::suggest;
 
-use super::findings::Findings;
-use super::parts::{needs_time, straight, wall_there};
-use super::thin_walls::{ONE_PIECE, one_piece};
+use super::findings::At;
+use super::parts::{ONE_PIECE, needs_time, one_piece, straight, wall_there};
 
 /// Maximum rotation of a wall in an increment, rad. Gaps are those of the rotation to first order
 /// for a disk that moves with the wall, whose error is that share squared of its motion.
 const MAX_TURN: f64 = 0.2;
 
 /// Checks the control of a wall in a stage, which may have no time.
-pub(super) fn control_of_wall(
-    path: Arguments,
-    (name, control): (&str, &WallControl),
-    increments: u32,
-    findings: &mut Findings,
-) {
-    let dt = if let Analysis::Dynamic { dt, .. } = findings.analysis { Some(dt) } else { None };
-    if findings.context.walls.contains(&name) {
-        wall_there(path, name, findings);
-    } else if findings.is_sure_of("walls") {
-        let help = suggest::help(name, &findings.context.walls, "walls");
-        findings.add_at_key(path, format!("unknown wall (`{name}`)"), &help);
+pub(super) fn control_of_wall(at: &mut At, name: &str, control: &WallControl, increments: u32) {
+    let dt = if let Analysis::Dynamic { dt, .. } = at.analysis { Some(dt) } else { None };
+    let walls = &at.context.walls;
+    if walls.contains(&name) {
+        wall_there(at, "", name);
+    } else if at.is_sure_of("walls") {
+        let help = suggest::help(name, walls, "walls");
+        at.add_at_key(format!("unknown wall (`{name}`)"), help);
     }
     match control {
         WallControl::Fixed | WallControl::Custom => {}
         WallControl::Displacement(x, y) => {
-            findings.vector(path, (*x, *y), "a displacement in m");
+            at.vector("", (*x, *y), "a displacement in m");
         }
         WallControl::Velocity(x, y) => {
-            findings.vector(path, (*x, *y), domain::VELOCITY.what);
-            needs_time(path, "a velocity", findings);
+            at.vector("", (*x, *y), domain::VELOCITY.what);
+            needs_time(at, "", "a velocity", "Displacement");
         }
         WallControl::Rotation { about, angle } => {
-            findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
+            at.place("about", *about);
             let what = "an angle of one increment in rad, at most 0.2 (11 degrees)";
-            let allowed = |angle: f64| angle.abs() <= MAX_TURN;
-            findings.number(format_args!("{path}.angle"), *angle, allowed, what);
+            at.number("angle", *angle, |angle: f64| angle.abs() <= MAX_TURN, what);
         }
         WallControl::Spin { about, angular_velocity } => {
-            findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
-            let own = format_args!("{path}.angular_velocity");
-            findings.finite(own, *angular_velocity, "an angular velocity in rad/s");
+            at.place("about", *about);
+            at.finite("angular_velocity", *angular_velocity, "an angular velocity in rad/s");
             if let Some(dt) = dt.filter(|dt| (angular_velocity * dt).abs() > MAX_TURN) {
                 let message = format!("a turn of {:?} rad in a time step", angular_velocity * dt);
                 let help = "give a smaller one, or a smaller dt: at most 0.2 rad in a time step";
-                findings.add(own, message, help);
+                at.add("angular_velocity", message, help);
             }
-            if findings.is_timeless() && findings.is_sure_of("analysis") {
-                let message = "an angular velocity in a static stage, which has no time";
-                let help = "use `Rotation`, in every increment, or a dynamic analysis";
-                findings.add(path, message, help);
-            }
+            needs_time(at, "", "an angular velocity", "Rotation");
         }
         WallControl::Force(force) => {
-            one_piece(path, name, ("normal", ONE_PIECE), findings);
-            findings.finite(format_args!("{path}[0]"), *force, "a force in N");
+            one_piece(at, "", name, ("normal", ONE_PIECE));
+            at.finite("[0]", *force, "a force in N");
         }
         WallControl::Stress { stress, between } => {
-            one_piece(path, name, ("normal", ONE_PIECE), findings);
-            findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
-            loaded_between(path, (name, between), findings);
+            one_piece(at, "", name, ("normal", ONE_PIECE));
+            at.finite("stress", *stress, "a stress in Pa");
+            loaded_between(at, name, between.as_ref());
         }
-        WallControl::Lid { load, slide } => {
-            lid(path, (name, load, *slide), findings);
-        }
+        WallControl::Lid { load, slide } => lid(at, name, load, *slide),
         WallControl::Follow(table) => {
-            follow(path, (name, table), findings);
+            follow(at, name, table);
             if let Table::Rotation { about, angle } = table {
-                findings.vector(format_args!("{path}.about"), *about, domain::PLACE.what);
+                at.place("about", *about);
                 // Part of the table that an increment takes.
                 let step = dt.unwrap_or(1.0 / f64::from(increments.max(1)));
-                turns(format_args!("{path}.angle"), angle, step, findings);
+                turns(&mut at.field("angle"), angle, step);
             }
         }
     }
 }
 
 /// Checks that no increment, which takes `step` of a table of angles, turns a wall too far.
-fn turns(path: Arguments, angle: &[(f64, f64)], step: f64, findings: &mut Findings) {
+fn turns(at: &mut At, angle: &[(f64, f64)], step: f64) {
     for (k, pair) in angle.windows(2).enumerate() {
         let [(s, a), (t, b)] = [pair[0], pair[1]];
         // Of an interval an increment takes its step or the whole of it.
@@ -92,112 +77,104 @@ fn turns(path: Arguments, angle: &[(f64, f64)], step: f64, findings: &mut Findin
         if t > s && turn > MAX_TURN {
             let message = format!("a turn of {turn:?} rad in an increment");
             let help = "give more increments, or a smaller dt: at most 0.2 rad in an increment";
-            findings.add(format_args!("{path}[{}][1]", k + 1), message, help);
+            at.add(format_args!("[{}][1]", k + 1), message, help);
         }
     }
 }
 
 /// Checks the two walls that bound the loaded length of a stress.
-fn loaded_between(
-    path: Arguments,
-    (name, between): (&str, &Option<(String, String)>),
-    findings: &mut Findings,
-) {
+fn loaded_between(at: &mut At, name: &str, between: Option<&(String, String)>) {
     let Some((a, b)) = between else { return };
-    for (i, other) in [a, b].into_iter().enumerate() {
-        let path = format_args!("{path}.between[{i}]");
-        wall_there(path, other, findings);
-        one_piece(path, other, ("place and normal", ONE_PIECE), findings);
+    for (field, other) in [("between[0]", a), ("between[1]", b)] {
+        wall_there(at, field, other);
+        one_piece(at, field, other, ("place and normal", ONE_PIECE));
         if other == name {
             let help = "name the two walls that bound its loaded length";
-            findings.add(path, format!("the wall itself (`{name}`)"), help);
+            at.add(field, format!("the wall itself (`{name}`)"), help);
         }
     }
-    findings.pair(format_args!("{path}.between"), (a, b), "wall");
+    at.pair("between", (a, b), "wall");
 }
 
-fn lid(path: Arguments, (name, load, slide): (&str, &LidLoad, Slide), findings: &mut Findings) {
-    let help = "a lid is a straight wall: it slides along itself";
-    straight(path, findings.context.wall(name), help, findings);
+fn lid(at: &mut At, name: &str, load: &LidLoad, slide: Slide) {
+    let wall = at.context.wall(name);
+    straight(at, "", wall, "a lid is a straight wall: it slides along itself");
     match load {
         LidLoad::Force(force) => {
-            findings.finite(format_args!("{path}.load[0]"), *force, "a force in N");
+            at.finite("load[0]", *force, "a force in N");
         }
         LidLoad::Stress { stress, between } => {
-            let path = format_args!("{path}.load");
-            findings.finite(format_args!("{path}.stress"), *stress, "a stress in Pa");
-            loaded_between(path, (name, between), findings);
+            at.finite("load.stress", *stress, "a stress in Pa");
+            loaded_between(&mut at.field("load"), name, between.as_ref());
         }
     }
-    let path = format_args!("{path}.slide[0]");
     match slide {
         Slide::Displacement(u) => {
-            findings.finite(path, u, "a displacement in m");
+            at.finite("slide[0]", u, "a displacement in m");
         }
         Slide::Velocity(v) => {
-            findings.finite(path, v, domain::VELOCITY.what);
-            needs_time(path, "a velocity", findings);
+            at.finite("slide[0]", v, domain::VELOCITY.what);
+            needs_time(at, "slide[0]", "a velocity", "Displacement");
         }
     }
 }
 
-fn follow(path: Arguments, (name, table): (&str, &Table), findings: &mut Findings) {
-    let (points, path, what): (Vec<_>, _, _) = match table {
-        Table::Displacement(list) => {
-            let points = list.iter().map(|(s, x, y)| (*s, vec![*x, *y])).collect();
-            (points, path.to_string(), "a displacement in m")
-        }
-        Table::Force(list) => {
-            let points = list.iter().map(|(s, f)| (*s, vec![*f])).collect();
-            (points, path.to_string(), "a force in N")
-        }
-        Table::Rotation { angle, .. } => {
-            let points = angle.iter().map(|(s, a)| (*s, vec![*a])).collect();
-            (points, format!("{path}.angle"), "an angle in rad")
-        }
-        Table::Stress { stress, between } => {
-            loaded_between(path, (name, between), findings);
-            let points = stress.iter().map(|(s, p)| (*s, vec![*p])).collect();
-            (points, format!("{path}.stress"), "a stress in Pa")
+fn follow(at: &mut At, name: &str, table: &Table) {
+    let (field, what, needs_normal) = match table {
+        Table::Displacement(_) => ("", "a displacement in m", false),
+        Table::Force(_) => ("", "a force in N", true),
+        Table::Rotation { .. } => ("angle", "an angle in rad", false),
+        Table::Stress { between, .. } => {
+            loaded_between(at, name, between.as_ref());
+            ("stress", "a stress in Pa", true)
         }
     };
-    if !matches!(table, Table::Displacement(_) | Table::Rotation { .. }) {
-        one_piece(format_args!("{path}"), name, ("normal", ONE_PIECE), findings);
+    let at = &mut at.field(field);
+    if needs_normal {
+        one_piece(at, "", name, ("normal", ONE_PIECE));
     }
-    points_of(format_args!("{path}"), &points, what, findings);
+    match table {
+        Table::Displacement(points) => {
+            points_of(at, points.iter().map(|(s, x, y)| (*s, [*x, *y])), what);
+        }
+        Table::Force(points)
+        | Table::Rotation { angle: points, .. }
+        | Table::Stress { stress: points, .. } => {
+            points_of(at, points.iter().map(|(s, value)| (*s, [*value])), what);
+        }
+    }
 }
 
-/// Checks the points of a table.
-pub(super) fn points_of(
-    path: Arguments,
-    points: &[(f64, Vec<f64>)],
+/// Checks the points of a table: a time or a part of the stage, and values then.
+pub(super) fn points_of<const N: usize>(
+    at: &mut At,
+    points: impl ExactSizeIterator<Item = (f64, [f64; N])>,
     what: &str,
-    findings: &mut Findings,
 ) {
     if points.len() < 2 {
         let help = "give two or more, in order of time or progress";
-        findings.add(format_args!("{path}"), "a table of fewer than two points", help);
+        at.add("", "a table of fewer than two points", help);
     }
     let mut last = None;
-    for (k, (s, values)) in points.iter().enumerate() {
-        let first = format_args!("{path}[{k}][0]");
-        let sound = if findings.is_timeless() && findings.is_sure_of("analysis") {
+    for (k, (s, values)) in points.enumerate() {
+        let at = &mut at.item("", k);
+        let sound = if at.is_timeless() {
             let what = "the part of the stage that is done, 0 to 1, as the stage is static";
-            findings.number(first, *s, |s| (0.0..=1.0).contains(&s), what)
+            at.number("[0]", s, |s| (0.0..=1.0).contains(&s), what)
         } else {
-            findings.not_negative(first, *s, "a time in s")
+            at.not_negative("[0]", s, "a time in s")
         };
-        if sound && last.is_some_and(|last| *s <= last) {
+        if sound && last.is_some_and(|last| s <= last) {
             let message = format!("not after the point before ({s:?})");
-            findings.add(first, message, "give the points in ascending order");
+            at.add("[0]", message, "give the points in ascending order");
         }
-        if sound && k == 0 && *s > 0.0 {
+        if sound && k == 0 && s > 0.0 {
             let help = "begin with a point at 0.0, the start of the stage";
-            findings.add(first, format!("a table that begins later ({s:?})"), help);
+            at.add("[0]", format!("a table that begins later ({s:?})"), help);
         }
-        last = Some(*s);
-        for (j, value) in values.iter().enumerate() {
-            findings.finite(format_args!("{path}[{k}][{}]", j + 1), *value, what);
+        last = Some(s);
+        for (j, value) in values.into_iter().enumerate() {
+            at.finite(format_args!("[{}]", j + 1), value, what);
         }
     }
 }

@@ -1,0 +1,131 @@
+//! Loading stages.
+
+use clastic_components::domain::GRAVITY;
+
+use crate::scene::format::{Analysis, Load, Motion, ParticleControl, Scale, Stage, Stop};
+
+use super::findings::At;
+use super::select::select;
+use super::stages::record;
+use super::wall_controls::{control_of_wall, points_of};
+use super::{parts, settings, stops};
+
+pub(super) fn load(at: &mut At, stage: &Load) {
+    at.at_least_one("increments", stage.increments, "a number");
+    settings::analysis(at, stage.analysis);
+    scale(at, stage);
+    at.vector("gravity", stage.gravity, GRAVITY.what);
+    presence(at, "remove_walls", &stage.remove_walls, false);
+    presence(at, "add_walls", &stage.add_walls, true);
+    for (name, control) in &stage.walls {
+        control_of_wall(&mut at.entry("walls", name), name, control, stage.increments);
+    }
+    for (i, control) in stage.particles.iter().enumerate() {
+        control_of_particles(&mut at.item("particles", i), control);
+    }
+    record(at, &stage.record);
+    for (i, n) in stage.record.frames.iter().enumerate() {
+        if *n > stage.increments {
+            let message = format!("no such increment ({n})");
+            let help = format!("the stage has {} of them", stage.increments);
+            at.add(format_args!("record.frames[{i}]"), message, help);
+        }
+    }
+    let untils = stage.stop.iter().enumerate().filter(|(_, stop)| matches!(stop, Stop::Until(..)));
+    for (i, _) in untils.skip(1) {
+        let help = "write `Above` or `Below` for all but one";
+        at.add(format_args!("stop[{i}]"), "a second `Until` in the stage", help);
+    }
+    for (i, stop) in stage.stop.iter().enumerate() {
+        stops::check(&mut at.item("stop", i), stop);
+    }
+    accuracy(at, stage);
+}
+
+/// Checks the walls that come or go when the stage begins.
+fn presence(at: &mut At, field: &str, names: &[String], there: bool) {
+    for (i, name) in names.iter().enumerate() {
+        let at = &mut at.item(field, i);
+        at.wall("", name);
+        let index = at.context.walls.iter().position(|wall| wall == name);
+        let Some(is_there) = index.and_then(|index| at.present.get_mut(index)) else { continue };
+        let before = std::mem::replace(is_there, there);
+        if before == there && at.are_sure_of(&["stages", "walls"]) {
+            let state = if there { "already" } else { "not" };
+            at.add("", format!("wall `{name}` is {state} there"), "leave it out of this list");
+        }
+    }
+}
+
+fn scale(at: &mut At, stage: &Load) {
+    let Scale { gravity, strength, loads } = &stage.scale;
+    let no_gravity = stage.gravity.unwrap_or(at.context.scene.gravity) == (0.0, 0.0);
+    let at = &mut at.field("scale");
+    for (field, points) in [("gravity", gravity), ("strength", strength), ("loads", loads)] {
+        if let Some(points) = points {
+            let points = points.iter().map(|(s, factor)| (*s, [*factor]));
+            points_of(&mut at.field(field), points, "a factor");
+        }
+    }
+    for (k, (_, factor)) in strength.iter().flatten().enumerate() {
+        at.positive(format_args!("strength[{k}][1]"), *factor, "a factor");
+    }
+    if gravity.is_some() && no_gravity {
+        at.add("gravity", "a factor on no gravity", "give the stage or the scene a `gravity`");
+    }
+    let Some(loads) = loads else { return };
+    if !stage.has_target() && at.is_sure_of("stages") {
+        let help =
+            "give a wall, a particle, a rigid group, a membrane or the cell a load in this stage";
+        at.add("loads", "a factor on no load", help);
+    }
+    if let Some((_, first)) = loads.first() {
+        let what = "0, at which loads are those that the stage begins with";
+        at.number("loads[0][1]", *first, |first| first == 0.0, what);
+    }
+    for (k, (_, factor)) in loads.iter().enumerate().filter(|_| !stage.membranes.is_empty()) {
+        let what = "a factor of 0 to 1, as a membrane cannot pull";
+        let allowed = |factor| (0.0..=1.0).contains(&factor);
+        at.number(format_args!("loads[{k}][1]"), *factor, allowed, what);
+    }
+}
+
+fn control_of_particles(at: &mut At, control: &ParticleControl) {
+    select(&mut at.field("select"), &control.select);
+    for (field, wanted, unit) in control.motions() {
+        parts::motion(at, field, wanted, unit);
+        if control.affine.is_some() && field != "rotation" && wanted != Motion::Free {
+            let message = format!("{field} is imposed twice");
+            at.add(field, message, "`affine` imposes x and y: leave it out here");
+        }
+    }
+    at.vector("affine[0]", control.affine.map(|rows| rows.0), "a displacement gradient");
+    at.vector("affine[1]", control.affine.map(|rows| rows.1), "a displacement gradient");
+    parts::load(at, control.force, control.moment);
+    let share = |share| (0.0..=1.0).contains(&share);
+    at.number("remains", control.remains, share, "a share from 0 to 1");
+    if control.remains.is_some() && (control.force.is_some() || control.moment.is_some()) {
+        let help = "give the share that remains, or `force` and `moment`";
+        at.add("remains", "the load is set twice", help);
+    }
+}
+
+/// Checks a stage that chooses its increments by an accuracy. Bonds of a saved state are only known
+/// when the stage begins.
+fn accuracy(at: &mut At, stage: &Load) {
+    let Some(accuracy) = stage.accuracy else { return };
+    let scene = at.context.scene;
+    let what = "an error of the stress over the stress, between 0 and 1";
+    at.number("accuracy", accuracy, |value| value > 0.0 && value < 1.0, what);
+    if at.analysis != Analysis::Static && at.is_sure_of("analysis") {
+        let help = "choose `dt` of a dynamic stage instead";
+        at.add("accuracy", "an accuracy in a dynamic stage", help);
+    }
+    let mut earlier = scene.stages.iter().take(at.stage);
+    let is_cemented = earlier.any(|stage| matches!(stage, Stage::Cement(_)));
+    if (is_cemented || !scene.bonds.is_empty()) && at.is_sure_of("stages") {
+        let help = "leave it out: with `rupture: (order: Events)` the strength hardly depends on the \
+                    increment";
+        at.add("accuracy", "an accuracy in a stage with bonds", help);
+    }
+}
