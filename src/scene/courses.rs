@@ -19,10 +19,20 @@ pub(super) struct Course<'t> {
     /// Path of the table.
     pub path: String,
     /// The expressions.
-    pub parts: Vec<&'t Node>,
+    pub parts: Vec<Part<'t>>,
     /// Unit of the values.
     pub unit: &'static str,
     stage: Stage<'t>,
+}
+
+/// An expression of a table.
+pub(super) struct Part<'t> {
+    /// Its value in the tree.
+    pub node: &'t Node,
+    /// Its path.
+    pub path: String,
+    /// The expression; `None` if it cannot be parsed.
+    pub expression: Option<Expression>,
 }
 
 /// What a course needs of its stage.
@@ -73,15 +83,20 @@ fn see<'t>(
         let dt = own.or(analysis).and_then(|node| unwrapped(node).field("dt"));
         let of = Stage { increments: stage.field("increments"), dt, times: times.to_vec() };
         let entries = |name| stage.field(name).map_or(&[][..], |value| &value.entries);
-        let mut add = |path: String, parts: Vec<&'t Node>, unit| {
-            if parts.iter().all(|part| stands(part, text)) {
+        let mut add = |path: String, nodes: &[&'t Node], unit| {
+            let part = |(j, node): (usize, &&'t Node)| {
+                let path = if nodes.len() == 1 { path.clone() } else { format!("{path}[{j}]") };
+                Part { node, path, expression: parse(node.literal(text)).ok() }
+            };
+            if nodes.iter().all(|node| stands(node, text)) {
+                let parts = nodes.iter().enumerate().map(part).collect();
                 courses.push(Course { path, parts, unit, stage: of.clone() });
             }
         };
         for entry in entries("scale") {
             let Some(key) = &entry.key else { continue };
             if ["gravity", "strength", "loads"].contains(&key.text.as_str()) {
-                add(join(&join(&path, "scale"), &key.text), vec![&entry.value], "");
+                add(join(&join(&path, "scale"), &key.text), &[&entry.value], "");
             }
         }
         for entry in entries("walls") {
@@ -90,13 +105,13 @@ fn see<'t>(
             let path = join(&join(&path, "walls"), &key.text);
             let table = unwrapped(&entry.value);
             match (table.variant(text).unwrap_or_default(), &table.entries[..]) {
-                ("Displacement", [x, y]) => add(path, vec![&x.value, &y.value], "m"),
-                ("Force", [force]) => add(path, vec![&force.value], "N"),
+                ("Displacement", [x, y]) => add(path, &[&x.value, &y.value], "m"),
+                ("Force", [force]) => add(path, &[&force.value], "N"),
                 (name @ ("Stress" | "Rotation"), _) => {
                     let (key, unit) =
                         if name == "Stress" { ("stress", "Pa") } else { ("angle", "rad") };
                     if let Some(node) = table.field(key) {
-                        add(join(&path, key), vec![node], unit);
+                        add(join(&path, key), &[node], unit);
                     }
                 }
                 _ => {}
@@ -118,16 +133,6 @@ impl Course<'_> {
     /// Names that have a value in every increment.
     pub fn names(&self) -> &'static [&'static str] {
         if self.stage.dt.is_some() { &["s", "t"] } else { &["s"] }
-    }
-
-    /// The expressions with their paths; `None` for one that cannot be parsed.
-    pub fn expressions(&self, text: &str) -> Vec<(String, Option<Expression>)> {
-        let parse = |node: &Node| parse(node.literal(text)).ok();
-        let path = |j| match self.parts.len() {
-            1 => self.path.clone(),
-            _ => format!("{}[{j}]", self.path),
-        };
-        self.parts.iter().enumerate().map(|(j, node)| (path(j), parse(node))).collect()
     }
 
     /// Puts points in place of the expressions. `of` has the values of `names`, and `left` is the
@@ -153,10 +158,9 @@ impl Course<'_> {
             let help = "give fewer increments or repetitions, or a table of points";
             findings.push(Finding::new(&self.path, message, help));
         }
-        let expressions = self.expressions(text);
-        for (node, (path, expression)) in self.parts.iter().zip(&expressions) {
-            let finding = self.mistake(node, text, expression.as_ref(), (names, dt.is_some()));
-            findings.extend(finding.map(|(message, help)| Finding::new(path, message, help)));
+        for part in &self.parts {
+            let finding = self.mistake(part, text, names);
+            findings.extend(finding.map(|(message, help)| Finding::new(&part.path, message, help)));
         }
         let mut k = 0.0;
         while k <= increments && findings.is_empty() {
@@ -167,7 +171,7 @@ impl Course<'_> {
                 _ => of(name),
             };
             let mut point = format!("({:?}", t.unwrap_or(s));
-            for (node, (path, expression)) in self.parts.iter().zip(&expressions) {
+            for Part { node, path, expression } in &self.parts {
                 let value = expression.as_ref().and_then(|expression| expression.value(&of));
                 let value = value.unwrap_or(f64::NAN);
                 if !value.is_finite() {
@@ -189,10 +193,10 @@ impl Course<'_> {
         let (first, rest) = points.split_at(1);
         let texts = match &self.parts[..] {
             [x, y] => vec![
-                (x.span.clone(), format!("[{}", first[0])),
-                (y.span.clone(), format!("{}]", rest.join(", "))),
+                (x.node.span.clone(), format!("[{}", first[0])),
+                (y.node.span.clone(), format!("{}]", rest.join(", "))),
             ],
-            parts => vec![(parts[0].span.clone(), format!("[{}]", points.join(", ")))],
+            parts => vec![(parts[0].node.span.clone(), format!("[{}]", points.join(", ")))],
         };
         Sampled { texts, increments, findings }
     }
@@ -200,10 +204,9 @@ impl Course<'_> {
     /// What is wrong with an expression, apart from its unit and its values, and the remedy.
     fn mistake(
         &self,
-        node: &Node,
+        Part { node, expression, .. }: &Part,
         text: &str,
-        expression: Option<&Expression>,
-        (names, is_dynamic): (&[String], bool),
+        names: &[String],
     ) -> Option<(String, String)> {
         let literal = node.literal(text);
         let message = format!("expected {}, found `{literal}`", a_number(self.unit));
@@ -215,25 +218,18 @@ impl Course<'_> {
             };
             return Some((message, help));
         };
-        let mut unknown = None;
-        expression.names(&mut |word| {
-            let is_known = names.iter().any(|name| name == word) || self.names().contains(&word);
-            unknown = unknown.or(Some(word).filter(|_| !is_known));
-        });
+        let is_known =
+            |word: &&str| names.iter().any(|name| name == word) || self.names().contains(word);
+        let word = expression.names().into_iter().find(|word| !is_known(word))?;
         let s = "`s` is the part of the increments that is done, 0 to 1";
-        match unknown? {
-            "t" if !is_dynamic => {
-                Some((format!("`{literal}`: a static stage has no time `t`"), s.to_owned()))
-            }
-            word => {
-                let help = if names.is_empty() {
-                    format!("give `{word}` a number in `let`")
-                } else {
-                    help(node, text, names, Some(self.unit))
-                };
-                Some((message, format!("{help}; {s}")))
-            }
+        if word == "t" && self.stage.dt.is_none() {
+            return Some((format!("`{literal}`: a static stage has no time `t`"), s.to_owned()));
         }
+        let help = match names {
+            [] => format!("give `{word}` a number in `let`"),
+            _ => help(node, text, names, Some(self.unit)),
+        };
+        Some((message, format!("{help}; {s}")))
     }
 }
 

@@ -29,9 +29,7 @@ struct Use {
 impl Use {
     /// Whether a name occurs in it.
     fn has(&self, name: &str) -> bool {
-        let mut has = false;
-        self.expression.names(&mut |other| has |= other == name);
-        has
+        self.expression.names().contains(&name)
     }
 
     /// The name, if it stands alone or with a sign before it.
@@ -87,29 +85,23 @@ pub(super) fn put_in(edited: &EditedText) -> Values {
     let Some(root) = scan(text).0 else { return new };
     let places = defined_names(&root);
     let mut uses = Vec::new();
-    for entry in &root.entries {
-        let Some(key) = &entry.key else { continue };
-        walk(&entry.value, text, key.text.clone(), unit_of(&key.text, None), &mut uses);
-    }
+    walk(&root, text, String::new(), None, &mut uses);
     let courses = courses::find(&root, text);
     let parts: BTreeSet<_> =
-        courses.iter().flat_map(|course| &course.parts).map(|part| part.span.start).collect();
+        courses.iter().flat_map(|course| &course.parts).map(|part| part.node.span.start).collect();
     uses.retain(|at| !parts.contains(&at.span.start));
     for course in &courses {
-        for (part, (path, expression)) in course.parts.iter().zip(course.expressions(text)) {
-            let Some(expression) = expression else { continue };
-            let (span, unit) = (part.span.clone(), Some(course.unit));
-            uses.push(Use { span, path, expression, unit, own: course.names() });
+        for part in &course.parts {
+            let Some(expression) = part.expression.clone() else { continue };
+            let (span, path) = (part.node.span.clone(), part.path.clone());
+            uses.push(Use { span, path, expression, unit: Some(course.unit), own: course.names() });
         }
     }
     uses.sort_by_key(|at| at.span.start);
-    let known = |at: &Use| {
-        let mut known = true;
-        at.expression
-            .names(&mut |name| known &= places.contains_key(name) || at.own.contains(&name));
-        known
-    };
-    uses.retain(known);
+    uses.retain(|at| {
+        let is_known = |name: &&str| places.contains_key(*name) || at.own.contains(name);
+        at.expression.names().iter().all(is_known)
+    });
     new.findings = findings(text, &places, &uses);
     let numbers = numbers(text, &root, &uses);
     let value = |name: &str| Some(numbers.get(name)?.0);
@@ -304,13 +296,8 @@ pub(super) fn help(node: &Node, text: &str, names: &[String], unit: Option<&str>
     if let Some((value, of)) = units::split(literal).filter(|(_, of)| units::is_unit(of)) {
         return units::help(value, of, unit);
     }
-    let mut unknown = None;
-    let is_known = |word: &str| names.iter().any(|name| name == word);
-    expression.names(&mut |word| {
-        unknown = unknown.or(Some(word).filter(|word| !is_known(word)));
-    });
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    match unknown {
+    match expression.names().into_iter().find(|word| !names.contains(word)) {
         Some(_) if names.is_empty() && node.shape == Shape::Word => String::new(),
         Some(word) if names.is_empty() => format!("give `{word}` a number in `let`"),
         Some(word) => suggest::help(word, &names, "values of `let`"),

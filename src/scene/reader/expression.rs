@@ -200,14 +200,14 @@ impl Expression {
         })
     }
 
-    /// Calls a function for every name but `pi`.
-    pub fn names<'e>(&'e self, see: &mut impl FnMut(&'e str)) {
+    /// Its names but `pi`.
+    pub fn names(&self) -> Vec<&str> {
         match self {
-            Self::Number(_) => {}
-            Self::Name(name) if name == "pi" => {}
-            Self::Name(name) => see(name),
-            Self::Operation(_, operands) => operands.iter().for_each(|operand| operand.names(see)),
-            Self::Function(_, argument) => argument.names(see),
+            Self::Number(_) => Vec::new(),
+            Self::Name(name) if name == "pi" => Vec::new(),
+            Self::Name(name) => vec![name],
+            Self::Operation(_, operands) => operands.iter().flat_map(Self::names).collect(),
+            Self::Function(_, argument) => argument.names(),
         }
     }
 
