@@ -32,7 +32,7 @@ struct Piece {
 }
 
 impl Piece {
-    /// Splits the piece. Either part may be empty.
+    /// Splits the piece.
     fn split(self, length: usize) -> [Self; 2] {
         let at = self.at + if self.is_new { 0 } else { length };
         let rest = Self { length: self.length - length, at, set: self.set.clone(), ..self };
@@ -66,25 +66,24 @@ impl EditedText {
     fn put(&mut self, span: Span, new: &str, set: Option<String>) {
         let at = self.source(span.start).at;
         self.text.replace_range(span.clone(), new);
-        let mut pieces = Vec::with_capacity(self.pieces.len() + 2);
-        let mut start = 0;
-        let put_in = Piece { length: new.len(), at, is_new: true, set };
-        let mut put_in = Some(put_in);
-        for piece in self.pieces.drain(..) {
-            let end = start + piece.length;
-            let cut = |at: usize| at.clamp(start, end) - start;
-            let (low, high) = (cut(span.start), cut(span.end));
-            let [before, rest] = piece.split(low);
-            let [_, after] = rest.split(high - low);
-            pieces.push(before);
-            if span.start <= end {
-                pieces.extend(put_in.take());
-            }
-            pieces.push(after);
-            start = end;
+        let piece = Piece { length: new.len(), at, is_new: true, set };
+        let cuts = self.cut(span.start)..self.cut(span.end);
+        self.pieces.splice(cuts, Some(piece).filter(|piece| piece.length > 0));
+    }
+
+    /// Index of the piece that begins at a byte, where a piece is cut if none does.
+    fn cut(&mut self, at: usize) -> usize {
+        let (mut i, mut start) = (0, 0);
+        while i < self.pieces.len() && start + self.pieces[i].length <= at {
+            start += self.pieces[i].length;
+            i += 1;
         }
-        pieces.retain(|piece| piece.length > 0);
-        self.pieces = pieces;
+        if at == start || i == self.pieces.len() {
+            return i;
+        }
+        let parts = self.pieces[i].clone().split(at - start);
+        self.pieces.splice(i..=i, parts);
+        i + 1
     }
 
     /// Source of a byte of the text.

@@ -13,26 +13,19 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     if !cemented && scene.bonds.is_empty() {
         return None;
     }
-    let materials = scene
-        .materials
-        .iter()
-        .map(|(name, of)| (format!("of material {}", label(name)), of.bond, vec![of.contact]));
-    let walls = scene
-        .walls
-        .iter()
-        .map(|wall| (format!("of wall {}", label(&wall.name)), wall.bond, vec![wall.contact]));
     let contacts = || scene.materials.values().map(|material| material.contact).collect();
+    let materials = scene.materials.iter();
+    let materials = materials.map(|(name, of)| ("material", name, of.bond, vec![of.contact]));
+    let walls = scene.walls.iter();
+    let walls = walls.map(|wall| ("wall", &wall.name, wall.bond, vec![wall.contact]));
     let stages = scene.stages.iter().filter_map(|stage| match stage {
-        Stage::Cement(cement) => {
-            Some((format!("of stage {}", label(&cement.name)), cement.bond, contacts()))
-        }
+        Stage::Cement(cement) => Some(("stage", &cement.name, cement.bond, contacts())),
         _ => None,
     });
-    let of_bond = |(of, bond, contacts): (String, Option<Bond>, Vec<Contact>)| {
+    let bonds = materials.chain(walls).chain(stages).find_map(|(kind, name, bond, contacts)| {
         let reason = obstacle(&bond?, &contacts, scene.rupture.rolling)?;
-        Some(format!("bonds {of} {reason}"))
-    };
-    let bonds = materials.chain(walls).chain(stages).find_map(of_bond);
+        Some(format!("bonds of {kind} {} {reason}", label(name)))
+    });
     bonds.or_else(|| {
         let is_unbonded =
             |stage: &&Stage| scene.bonds.is_empty() && !matches!(stage, Stage::Cement(_));

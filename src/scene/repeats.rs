@@ -62,20 +62,16 @@ impl Written {
                 self.findings.push(finding);
                 continue;
             }
-            for _ in 0..times.unwrap_or(1) {
+            for k in 0..times.unwrap_or(1) {
                 let before = self.findings.len();
                 self.see(stages, text, &format!("{path}.stages"));
+                // A mistake inside is one mistake, however often it is repeated.
+                if k > 0 {
+                    self.findings.truncate(before);
+                }
                 if self.paths.len() > MAX_STAGES {
                     return;
                 }
-                // A mistake inside is one mistake, however often it is repeated.
-                let mut seen = Vec::new();
-                for finding in self.findings.split_off(before) {
-                    if !self.findings.contains(&finding) {
-                        seen.push(finding);
-                    }
-                }
-                self.findings.extend(seen);
             }
         }
     }
@@ -99,25 +95,16 @@ impl Written {
     /// A text with the paths of stages as written.
     fn written(&self, text: &str) -> String {
         const START: &str = "stages[";
-        let mut new = String::new();
-        let mut rest = text;
-        while let Some(at) = rest.find(START) {
-            let (before, after) = rest.split_at(at);
-            let index = &after[START.len()..];
-            let end = index.find(']').unwrap_or(index.len());
-            let path = index[..end].parse().ok().and_then(|k: usize| self.paths.get(k));
-            new.push_str(before);
+        let mut parts = text.split(START);
+        let mut new = parts.next().unwrap_or_default().to_owned();
+        for part in parts {
+            let (index, rest) = part.split_once(']').unwrap_or((part, ""));
+            let path = index.parse().ok().and_then(|k: usize| self.paths.get(k));
             match path {
-                Some(path) => {
-                    new.push_str(path);
-                    rest = index.get(end + 1..).unwrap_or_default();
-                }
-                None => {
-                    new.push_str(START);
-                    rest = index;
-                }
+                Some(path) => new += &format!("{path}{rest}"),
+                None => new += &format!("{START}{part}"),
             }
         }
-        new + rest
+        new
     }
 }
