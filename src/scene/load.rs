@@ -1,15 +1,16 @@
 //! Reading a scene.
 
-use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::context::Notes;
+use ron::extensions::Extensions;
+
 use super::courses::gather;
-use super::diagnose::{Diagnosis, diagnose};
+use super::diagnose::diagnose;
 use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
-use super::dialect::ron_options;
 use super::edited::EditedText;
-use super::files::read_at_most;
+use super::files::{decode, read_at_most};
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
 use super::repeats::Written;
@@ -32,9 +33,10 @@ pub struct LoadedScene {
 }
 
 /// Why a scene cannot be loaded.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub enum LoadError {
     /// The scene file cannot be read.
+    #[error("{}: cannot read the scene: {source}", path.display())]
     Read {
         /// The file.
         path: PathBuf,
@@ -42,30 +44,11 @@ pub enum LoadError {
         source: io::Error,
     },
     /// The path of a setting does not exist, or its value does not fit.
+    #[error(transparent)]
     Set(SetError),
     /// The scene, or the stored specimen that it names, is wrong.
+    #[error(transparent)]
     Scene(SceneErrors),
-}
-
-impl fmt::Display for LoadError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Read { path, source } => {
-                write!(f, "{}: cannot read the scene: {source}", path.display())
-            }
-            Self::Set(error) => error.fmt(f),
-            Self::Scene(errors) => errors.fmt(f),
-        }
-    }
-}
-
-impl std::error::Error for LoadError {
-    fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
-        match self {
-            Self::Read { source, .. } => Some(source),
-            _ => None,
-        }
-    }
 }
 
 /// Reads and checks a scene file with settings of the form `path=value`; see
@@ -116,23 +99,16 @@ fn load_file(
 ) -> Result<LoadedScene, LoadError> {
     let read_error = |source| LoadError::Read { path: path.to_owned(), source };
     let bytes = read_at_most(path, MAX_BYTES).map_err(read_error)?;
-    let refuse = |text: &str, at, message: String, help| {
-        let finding = Finding::new("", message, help);
-        let text = EditedText::of(text);
-        LoadError::Scene(SceneErrors::new(path, &text, vec![Placed { at, finding }]))
+    let refuse = |(text, placed): (String, Placed)| {
+        LoadError::Scene(SceneErrors::new(path, &EditedText::of(&text), vec![placed]))
     };
     let Some(bytes) = bytes else {
         let message = format!("more than {} MB of text", MAX_BYTES / 1_000_000);
         let help = "keep many particles in a stored specimen, `File(path: ...)`";
-        return Err(refuse("", 0, message, help));
+        let finding = Finding::new("", message, help);
+        return Err(refuse((String::new(), Placed { at: 0, finding })));
     };
-    let text = String::from_utf8(bytes).map_err(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let text = String::from_utf8_lossy(error.as_bytes());
-        let byte = error.as_bytes().get(at).copied().unwrap_or_default();
-        let message = format!("not UTF-8 text (byte 0x{byte:02x})");
-        refuse(&text, at, message, "save the scene as UTF-8")
-    })?;
+    let text = decode(bytes, "save the scene as UTF-8").map_err(refuse)?;
     from_text(&text, path, sets, read, further)
 }
 
@@ -188,7 +164,7 @@ fn from_text(
     let Values { text: read_text, findings: misused, tables, made_up: no_values } =
         values::put_in(&edited);
     let text = read_text.text.as_str();
-    let Diagnosis { mut scene, mut placed, mut made_up, renamed } = parse(text);
+    let (mut scene, Notes { mut placed, mut made_up, renamed }) = parse(text);
     made_up.extend(no_values);
     placed.extend(place(text, misused, &renamed));
     let mut csv_errors = None;
@@ -240,17 +216,22 @@ fn from_text(
     }
 }
 
+/// The dialect of RON in which scenes are written.
+pub(super) fn ron_options() -> ron::Options {
+    let extensions = Extensions::IMPLICIT_SOME
+        | Extensions::UNWRAP_NEWTYPES
+        | Extensions::UNWRAP_VARIANT_NEWTYPES;
+    ron::Options::default().with_default_extension(extensions)
+}
+
 /// Reads the text. If `ron` refuses it, a second reading finds every mistake.
-fn parse(text: &str) -> Diagnosis {
+fn parse(text: &str) -> (Option<Scene>, Notes) {
     let error = match ron_options().from_str::<Scene>(text) {
-        Ok(scene) => {
-            let scene = Some(scene);
-            return Diagnosis { scene, placed: vec![], made_up: vec![], renamed: vec![] };
-        }
+        Ok(scene) => return (Some(scene), Notes::default()),
         Err(error) => error,
     };
-    let mut diagnosis = diagnose(text);
-    if diagnosis.placed.is_empty() {
+    let (scene, mut notes) = diagnose(text);
+    if notes.placed.is_empty() {
         // The second reading does not know every rule of RON. If it finds no mistake, the message
         // of `ron` is used.
         let lines = error.span.start.line.saturating_sub(1);
@@ -259,9 +240,9 @@ fn parse(text: &str) -> Diagnosis {
         let column = rest.char_indices().nth(error.span.start.col.saturating_sub(1));
         let at = line + column.map_or(rest.len(), |(at, _)| at);
         let finding = Finding::new("", error.code.to_string(), "");
-        diagnosis.placed.push(Placed { at, finding });
+        notes.placed.push(Placed { at, finding });
     }
-    diagnosis
+    (scene, notes)
 }
 
 /// The first setting whose path names a key that does not exist and that the setting itself

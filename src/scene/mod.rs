@@ -10,7 +10,6 @@
 mod coincident;
 mod courses;
 pub(crate) mod diagnostic;
-mod dialect;
 pub mod edited;
 pub(crate) mod files;
 pub mod format;
@@ -38,5 +37,5 @@ pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_unpre
 pub use overrides::SetError;
 pub use reader::spans;
 pub(crate) use reader::suggest;
-use reader::{diagnose, dimension, expression, scan, tree, units};
+use reader::{context, diagnose, dimension, expression, scan, tree, units};
 pub use stored::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};

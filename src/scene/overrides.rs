@@ -7,10 +7,12 @@
 
 use std::fmt;
 
+use super::context::Notes;
 use super::diagnose::diagnose;
-use super::dialect::ron_options;
+use super::diagnostic::Finding;
 use super::edited::EditedText;
 use super::format::Scene;
+use super::load::ron_options;
 use super::scan::scan;
 use super::shown::brief;
 use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};
@@ -66,22 +68,21 @@ fn apply_one(mut edited: EditedText, set: &str) -> Result<EditedText, SetError> 
     let Some(root) = scan(text).0 else { return Ok(edited) };
     let place = Place::find(&root, text, &steps).map_err(|help| error("no such field", help))?;
 
-    let plain = is_one_value(value).then(|| place.with(value));
-    let refusal = match &plain {
-        Some(new) => place.refusal(text, new),
-        None => Some((format!("`{value}` is not a value in RON"), None)),
+    let (plain, quoted) = (place.with(value), place.with(&format!("{value:?}")));
+    let refusal = if is_one_value(value) {
+        place.refusal(text, &plain)
+    } else {
+        Some(Finding::new("", format!("`{value}` is not a value in RON"), ""))
     };
-    let new = match (&refusal, plain) {
-        (None, Some(new)) => Some(new),
-        _ if value.starts_with('"') => None,
-        _ => Some(place.with(&format!("{value:?}"))).filter(|q| place.refusal(text, q).is_none()),
+    let new = match refusal {
+        None => plain,
+        Some(_) if !value.starts_with('"') && place.refusal(text, &quoted).is_none() => quoted,
+        Some(Finding { message, help, .. }) => {
+            return Err(SetError { set: set.to_owned(), message, help });
+        }
     };
-    if let Some(new) = new {
-        edited.replace(place.span, &new, set);
-        return Ok(edited);
-    }
-    let (message, help) = refusal.unwrap_or_default();
-    Err(SetError { set: set.to_owned(), message, help })
+    edited.replace(place.span, &new, set);
+    Ok(edited)
 }
 
 /// Whether a text is exactly one value, so that it cannot affect the text after it.
@@ -144,7 +145,7 @@ impl Place {
     }
 
     /// The first mistake in the new text. Mistakes elsewhere belong to the scene.
-    fn refusal(&self, text: &str, new: &str) -> Option<(String, Option<String>)> {
+    fn refusal(&self, text: &str, new: &str) -> Option<Finding> {
         let mut edited = text.to_owned();
         edited.replace_range(self.span.clone(), new);
         let read_text = values::put_in(&EditedText::of(&edited)).text;
@@ -152,10 +153,9 @@ impl Place {
             return None;
         }
         let span = self.span.start..self.span.start + new.len();
-        let mut placed = diagnose(&read_text.text).placed;
+        let (_, Notes { mut placed, .. }) = diagnose(&read_text.text);
         placed.retain(|placed| span.contains(&read_text.source(placed.at).at));
-        let finding = placed.into_iter().min_by_key(|placed| placed.at)?.finding;
-        Some((finding.message, finding.help))
+        Some(placed.into_iter().min_by_key(|placed| placed.at)?.finding)
     }
 }
 

@@ -11,7 +11,7 @@ use std::path::Path;
 use super::coincident::coincident;
 use super::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
 use super::edited::EditedText;
-use super::files::read_at_most;
+use super::files::{decode, read_at_most};
 use super::limits::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER};
 pub use super::stored::{ReadError, StoredParticle, StoredSpecimen};
 
@@ -35,12 +35,9 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
         return Err(refuse(&format!("it has more than {} MB", MAX_BYTES / 1_000_000)));
     };
     let mut reading = Reading::default();
-    let text = String::from_utf8(bytes).unwrap_or_else(|error| {
-        let at = error.utf8_error().valid_up_to();
-        let byte = error.as_bytes().get(at).copied().unwrap_or_default();
-        let message = format!("not UTF-8 text (byte 0x{byte:02x})");
-        reading.note(at, "", &message, "save it as UTF-8");
-        String::from_utf8_lossy(error.as_bytes()).into_owned()
+    let text = decode(bytes, "save it as UTF-8").unwrap_or_else(|(text, placed)| {
+        reading.placed.push(placed);
+        text
     });
     if reading.placed.is_empty() {
         reading.text(&text);
@@ -177,29 +174,20 @@ impl Reading {
             let commas = line.match_indices(',').map(|(comma, _)| comma + 1);
             let at = std::iter::once(0).chain(commas).nth(columns.numbers[i]).unwrap_or_default();
             let column = at + line.get(at..).and_then(|rest| rest.find(field)).unwrap_or_default();
-            match field.parse::<f64>() {
-                Ok(value) if !value.is_finite() => {
-                    let message = format!("not finite ({value})");
-                    self.note(start + column, COLUMNS[i], &message, "give a number in m");
+            let is_radius = i == 2;
+            let message = match field.parse::<f64>() {
+                Ok(value) if !value.is_finite() => format!("not finite ({value})"),
+                Ok(value) if value.abs() > MAX_NUMBER => format!("too large ({value:?})"),
+                Ok(value) if is_radius && value <= 0.0 => format!("not greater than 0 ({value:?})"),
+                Ok(value) if is_radius && value < MIN_NUMBER => format!("too small ({value:?})"),
+                Ok(value) => {
+                    *number = value;
+                    continue;
                 }
-                Ok(value)
-                    if value.abs() > MAX_NUMBER
-                        || (i == 2 && value > 0.0 && value < MIN_NUMBER) =>
-                {
-                    let problem = if value.abs() > MAX_NUMBER { "large" } else { "small" };
-                    let message = format!("too {problem} ({value:?})");
-                    self.note(start + column, COLUMNS[i], &message, "give a number in m");
-                }
-                Ok(value) if i == 2 && value <= 0.0 => {
-                    let message = format!("not greater than 0 ({value:?})");
-                    self.note(start + column, COLUMNS[i], &message, "give a radius in m");
-                }
-                Ok(value) => *number = value,
-                Err(_) => {
-                    let message = format!("not a number (`{field}`)");
-                    self.note(start + column, COLUMNS[i], &message, "give a number in m");
-                }
-            }
+                Err(_) => format!("not a number (`{field}`)"),
+            };
+            let help = if is_radius { "give a radius in m" } else { "give a number in m" };
+            self.note(start + column, COLUMNS[i], &message, help);
         }
         if self.placed.len() == before {
             let [x, y, r] = numbers;

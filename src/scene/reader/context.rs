@@ -7,6 +7,7 @@ use serde::de;
 
 use super::spans::join;
 use super::tree::{Node, Shape};
+use super::units::unit_of;
 use crate::scene::diagnostic::{Finding, Placed};
 use crate::scene::format::VERSION;
 
@@ -23,10 +24,10 @@ pub(super) struct Context<'a> {
 
 /// What a reading has recorded.
 #[derive(Default)]
-pub(super) struct Notes {
+pub(in crate::scene) struct Notes {
     /// The mistakes.
     pub placed: Vec<Placed>,
-    /// Paths of values that were made up.
+    /// Paths of values that were made up. Findings about them are not reported.
     pub made_up: Vec<String>,
     /// Misspelt fields: the correct path and the path as written.
     pub renamed: Vec<(String, String)>,
@@ -85,7 +86,8 @@ impl<'a> Context<'a> {
 }
 
 /// Why serde stopped: usually a missing field.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
+#[error("{message}")]
 pub(super) struct Failure {
     field: Option<&'static str>,
     message: String,
@@ -104,36 +106,24 @@ impl Failure {
         let (path, at) = self.place.as_ref()?;
         let field = self.field?;
         let path = join(path, field);
-        let help = match unit(field) {
-            _ if field == "version" => format!("add `version: {VERSION}`"),
-            Some(unit) => format!("add `{field}: ...`, {unit}"),
-            None => format!("add `{field}: ...`"),
+        let help = match (field, unit_of(field, None).filter(|unit| !unit.is_empty())) {
+            ("version", _) => format!("add `version: {VERSION}`"),
+            ("increments" | "columns" | "rows" | "count", _) => {
+                format!("add `{field}: ...`, a number from 1")
+            }
+            ("position" | "start" | "end" | "min" | "max", Some(unit)) => {
+                format!("add `{field}: ...`, as (x, y) in {unit}")
+            }
+            ("limits", Some(unit)) => {
+                format!("add `{field}: ...`, as (minimum, maximum) in {unit}")
+            }
+            (_, Some(unit)) => format!("add `{field}: ...`, in {unit}"),
+            (_, None) => format!("add `{field}: ...`"),
         };
         let finding = Finding::new(&path, format!("missing field `{field}`"), help);
         Some((path, Placed { at: *at, finding }))
     }
 }
-
-/// Units of the mandatory fields.
-fn unit(field: &str) -> Option<&'static str> {
-    Some(match field {
-        "radius" | "spacing" | "length" | "step" => "in m",
-        "position" | "start" | "end" | "min" | "max" => "as (x, y) in m",
-        "limits" => "as (minimum, maximum) in m",
-        "dt" => "in s",
-        "cohesion" | "tensile_strength" | "stress" => "in Pa",
-        "increments" | "columns" | "rows" | "count" => "a number from 1",
-        _ => return None,
-    })
-}
-
-impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(&self.message)
-    }
-}
-
-impl std::error::Error for Failure {}
 
 impl de::Error for Failure {
     fn custom<T: fmt::Display>(message: T) -> Self {

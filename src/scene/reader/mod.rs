@@ -3,16 +3,15 @@
 //!
 //! [`diagnose`](diagnose::diagnose) is the way in. It scans a text into a tree with the place of
 //! every value ([`scan`], [`tree`]), reads the tree as a scene ([`tree_reader`]), records each
-//! mistake with its remedy, and goes on with the probable meaning or with a made-up value
-//! ([`stand_in`]).
+//! mistake with its remedy, and goes on with the probable meaning or with a made-up value.
 
-mod context;
+mod access;
+pub(super) mod context;
 pub(super) mod diagnose;
 pub(super) mod dimension;
 pub(super) mod expression;
 pub(super) mod scan;
 pub mod spans;
-mod stand_in;
 pub(crate) mod suggest;
 pub(super) mod tree;
 mod tree_reader;

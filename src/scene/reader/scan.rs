@@ -8,24 +8,14 @@
 use super::expression::{is_function, number_length};
 use super::tree::{Entry, Key, Node, Shape, Span};
 use super::units::is_unit;
+use crate::scene::diagnostic::{Finding, Placed};
 
 /// Maximum nesting. Deeper nesting is refused, as in `ron`, because recursion could overflow the
 /// stack.
 const DEEPEST: usize = 128;
 
-/// A mistake of syntax.
-#[derive(Clone, Debug)]
-pub(in crate::scene) struct Fault {
-    /// Byte at which the mistake appears.
-    pub at: usize,
-    /// The mistake.
-    pub message: String,
-    /// The remedy.
-    pub help: &'static str,
-}
-
 /// Scans a text. Returns all faults, and the value unless a fault prevents it.
-pub(in crate::scene) fn scan(text: &str) -> (Option<Node>, Vec<Fault>) {
+pub(in crate::scene) fn scan(text: &str) -> (Option<Node>, Vec<Placed>) {
     let mut scanner = Scanner { text, at: 0, depth: 0, faults: Vec::new() };
     let root = scanner.document();
     let mut faults = scanner.faults;
@@ -38,19 +28,23 @@ pub(in crate::scene) fn unquote(literal: &str) -> Option<String> {
     ron::from_str(literal).ok()
 }
 
+fn fault(at: usize, message: impl Into<String>, help: &str) -> Placed {
+    Placed { at, finding: Finding::new("", message, help) }
+}
+
 struct Scanner<'t> {
     text: &'t str,
     at: usize,
     depth: usize,
-    faults: Vec<Fault>,
+    faults: Vec<Placed>,
 }
 
 impl<'t> Scanner<'t> {
-    fn document(&mut self) -> Result<Node, Fault> {
+    fn document(&mut self) -> Result<Node, Placed> {
         self.blank()?;
         while self.rest().starts_with("#!") {
             let end = self.rest().find(']').ok_or_else(|| {
-                self.fault(self.at, "this attribute is never closed", "end it with `)]`")
+                fault(self.at, "this attribute is never closed", "end it with `)]`")
             })?;
             self.at += end + 1;
             self.blank()?;
@@ -59,8 +53,7 @@ impl<'t> Scanner<'t> {
         self.blank()?;
         if let Some(c) = self.peek() {
             let message = format!("`{c}` after the end of the scene");
-            let fault = self.fault(self.at, message, "a scene is one value: check the brackets");
-            self.faults.push(fault);
+            self.faults.push(fault(self.at, message, "a scene is one value: check the brackets"));
         }
         Ok(root)
     }
@@ -87,12 +80,8 @@ impl<'t> Scanner<'t> {
         Some(c)
     }
 
-    fn fault(&self, at: usize, message: impl Into<String>, help: &'static str) -> Fault {
-        Fault { at, message: message.into(), help }
-    }
-
     /// Skips white space and comments.
-    fn blank(&mut self) -> Result<(), Fault> {
+    fn blank(&mut self) -> Result<(), Placed> {
         loop {
             self.take(char::is_whitespace);
             if self.rest().starts_with("//") {
@@ -106,7 +95,7 @@ impl<'t> Scanner<'t> {
     }
 
     /// Block comments nest.
-    fn block_comment(&mut self) -> Result<(), Fault> {
+    fn block_comment(&mut self) -> Result<(), Placed> {
         let start = self.at;
         let mut open = 0_usize;
         loop {
@@ -123,13 +112,13 @@ impl<'t> Scanner<'t> {
             } else if let Some(c) = rest.chars().next() {
                 self.at += c.len_utf8();
             } else {
-                return Err(self.fault(start, "this comment is never closed", "end it with `*/`"));
+                return Err(fault(start, "this comment is never closed", "end it with `*/`"));
             }
         }
     }
 
     /// A value: an operand, and further ones with operators between them.
-    fn value(&mut self) -> Result<Node, Fault> {
+    fn value(&mut self) -> Result<Node, Placed> {
         let first = self.operand()?;
         let start = first.span.start;
         let literal = first.literal(self.text);
@@ -160,7 +149,7 @@ impl<'t> Scanner<'t> {
         Ok(if is_expression { self.leaf(start, Shape::Expression) } else { first })
     }
 
-    fn operand(&mut self) -> Result<Node, Fault> {
+    fn operand(&mut self) -> Result<Node, Placed> {
         let start = self.at;
         let rest = self.rest();
         let Some(first) = rest.chars().next() else { return Ok(self.leaf(start, Shape::Nothing)) };
@@ -195,7 +184,7 @@ impl<'t> Scanner<'t> {
                 }
                 None => {
                     let message = format!("unexpected character `{}`", first.escape_debug());
-                    Err(self.fault(start, message, "a value was due here"))
+                    Err(fault(start, message, "a value was due here"))
                 }
             },
         }
@@ -242,7 +231,7 @@ impl<'t> Scanner<'t> {
         })
     }
 
-    fn quoted(&mut self, open: usize, quote: char, shape: Shape) -> Result<Node, Fault> {
+    fn quoted(&mut self, open: usize, quote: char, shape: Shape) -> Result<Node, Placed> {
         let start = self.at;
         self.at = open + 1;
         loop {
@@ -258,7 +247,7 @@ impl<'t> Scanner<'t> {
                     }
                 }
                 None => {
-                    return Err(self.fault(start, "this quote is never closed", "close the quote"));
+                    return Err(fault(start, "this quote is never closed", "close the quote"));
                 }
             }
         }
@@ -269,7 +258,7 @@ impl<'t> Scanner<'t> {
         node.shape == Shape::Text && literal.starts_with('"') && literal.contains('\n')
     }
 
-    fn raw_string(&mut self, start: usize, hashes: usize) -> Result<Node, Fault> {
+    fn raw_string(&mut self, start: usize, hashes: usize) -> Result<Node, Placed> {
         let end = format!("\"{}", "#".repeat(hashes));
         let open = start + self.rest().find('"').unwrap_or_default() + 1;
         match self.text.get(open..).and_then(|body| body.find(&end)) {
@@ -277,15 +266,15 @@ impl<'t> Scanner<'t> {
                 self.at = open + length + end.len();
                 Ok(self.leaf(start, Shape::Text))
             }
-            None => Err(self.fault(start, "this raw string is never closed", "close the string")),
+            None => Err(fault(start, "this raw string is never closed", "close the string")),
         }
     }
 
-    fn group(&mut self, start: usize, name: Option<Span>, open: char) -> Result<Node, Fault> {
+    fn group(&mut self, start: usize, name: Option<Span>, open: char) -> Result<Node, Placed> {
         let opened = self.at;
         self.depth += 1;
         if self.depth > DEEPEST {
-            return Err(self.fault(opened, "too many brackets within brackets", "nest less"));
+            return Err(fault(opened, "too many brackets within brackets", "nest less"));
         }
         let close = match open {
             '(' => ')',
@@ -300,18 +289,15 @@ impl<'t> Scanner<'t> {
             match self.peek() {
                 None => {
                     let message = format!("this `{open}` is never closed");
-                    return Err(self.fault(
-                        opened,
-                        message,
-                        "close it, or check the brackets after it",
-                    ));
+                    let help = "close it, or check the brackets after it";
+                    return Err(fault(opened, message, help));
                 }
                 Some(c) if c == close => break,
                 Some(c @ (')' | ']' | '}')) => {
                     let line = 1 + self.text[..opened].matches('\n').count();
                     let message =
                         format!("`{c}` where the `{open}` of line {line} wants its `{close}`");
-                    return Err(self.fault(self.at, message, "check the brackets"));
+                    return Err(fault(self.at, message, "check the brackets"));
                 }
                 Some(_) => {}
             }
@@ -331,7 +317,7 @@ impl<'t> Scanner<'t> {
                 Some(c) if !matches!(c, ')' | ']' | '}') => {
                     if c == ':' || c == '=' {
                         let message = format!("unexpected character `{c}`");
-                        return Err(self.fault(self.at, message, "a comma was due here"));
+                        return Err(fault(self.at, message, "a comma was due here"));
                     }
                     missing_comma = true;
                     // A string that extends over several lines up to here has probably lost its
@@ -340,10 +326,10 @@ impl<'t> Scanner<'t> {
                     let lost = last.filter(|node| self.is_multiline_text(node));
                     if let Some(start) = lost.map(|node| node.span.start) {
                         let message = "this quote is not closed on its line";
-                        return Err(self.fault(start, message, "close the quote"));
+                        return Err(fault(start, message, "close the quote"));
                     }
-                    let fault = self.fault(end, "missing comma", "put a comma between two values");
-                    self.faults.push(fault);
+                    let help = "put a comma between two values";
+                    self.faults.push(fault(end, "missing comma", help));
                 }
                 _ => {}
             }
@@ -359,7 +345,7 @@ impl<'t> Scanner<'t> {
         Ok(Node { span: start..self.at, name, shape, entries })
     }
 
-    fn entry(&mut self, open: char) -> Result<Entry, Fault> {
+    fn entry(&mut self, open: char) -> Result<Entry, Placed> {
         if open == '[' {
             return Ok(Entry { key: None, value: self.value()? });
         }
@@ -369,11 +355,10 @@ impl<'t> Scanner<'t> {
         match self.peek() {
             Some(':') => {}
             Some('=') if first.shape == Shape::Word => {
-                let fault = self.fault(self.at, "`=` after a field name", "write `:`");
-                self.faults.push(fault);
+                self.faults.push(fault(self.at, "`=` after a field name", "write `:`"));
             }
             next if open == '{' && !matches!(next, Some(',' | '}')) => {
-                return Err(self.fault(end, "missing `:` after a key", "write `key: value`"));
+                return Err(fault(end, "missing `:` after a key", "write `key: value`"));
             }
             _ => {
                 self.at = end;

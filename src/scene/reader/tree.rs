@@ -28,6 +28,8 @@ pub enum Shape {
     List,
     /// `{key: value, ...}`.
     Map,
+    /// Any value, in place of one that is missing or does not fit. The text has none of them.
+    MadeUp,
 }
 
 /// A value of the text.

@@ -147,9 +147,9 @@ fn samples_are_valid() {
 #[test]
 fn the_second_reading_agrees_with_ron() {
     for text in [FULL, SMALL] {
-        let diagnosis = super::super::diagnose::diagnose(text);
-        assert!(diagnosis.placed.is_empty(), "{:?}", diagnosis.placed);
+        let (scene, notes) = super::super::diagnose::diagnose(text);
+        assert!(notes.placed.is_empty(), "{:?}", notes.placed);
         let first = read(text, &[]).unwrap().scene;
-        assert_eq!(format!("{:?}", diagnosis.scene.unwrap()), format!("{first:?}"));
+        assert_eq!(format!("{:?}", scene.unwrap()), format!("{first:?}"));
     }
 }
