@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use crate::run::sieve;
 
-use super::format::{Analysis, Rate, Scene, Sizes, Specimen, Stage, Stream};
+use super::format::{Analysis, Rate, Scene, Sizes, Specimen, Stage};
 use super::specimen_file::StoredSpecimen;
 
 /// Memory per particle, bytes.
@@ -45,8 +45,8 @@ impl Need {
         let count = first as f64 + poured;
         // A number beyond all integers becomes the largest one.
         let n = first.saturating_add(poured as u64);
-        let mean = match scene.stages.iter().find_map(stream_of) {
-            Some(stream) if first == 0 => mean_of(&stream.sizes),
+        let mean = match scene.stages.iter().find(|stage| stage.pours()) {
+            Some(Stage::Pour(pour)) if first == 0 => mean_of(&pour.stream.sizes),
             _ => mean_radius(&scene.specimen, stored),
         };
         // The packing that a cementing stage finds is unknown, so the estimate takes a dense one.
@@ -91,13 +91,6 @@ pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) ->
         }
         Specimen::Packing { count, .. } => u64::from(*count),
         Specimen::File { .. } | Specimen::State { .. } => stored.map_or(0, |stored| stored.indices),
-    }
-}
-
-fn stream_of(stage: &Stage) -> Option<&Stream> {
-    match stage {
-        Stage::Pour(pour) => Some(&pour.stream),
-        _ => None,
     }
 }
 

@@ -22,23 +22,10 @@ pub fn label(text: &str) -> String {
 /// A message that quotes a scene, on one line, with control characters escaped and very long tokens
 /// shortened. A token is a text in backquotes or a text without blanks.
 pub(super) fn brief(message: &str) -> String {
-    let mut text = String::with_capacity(message.len().min(1000));
-    for (k, part) in message.split('`').enumerate() {
-        if k > 0 {
-            text.push('`');
-        }
-        if k % 2 == 1 {
-            text += &shortened(part);
-            continue;
-        }
-        for (k, word) in part.split(' ').enumerate() {
-            if k > 0 {
-                text.push(' ');
-            }
-            text += &shortened(word);
-        }
-    }
-    escape(&text, |_| false)
+    let words = |part: &str| part.split(' ').map(shortened).collect::<Vec<_>>().join(" ");
+    let parts = message.split('`').enumerate();
+    let parts = parts.map(|(k, part)| if k % 2 == 1 { shortened(part) } else { words(part) });
+    escape(&parts.collect::<Vec<_>>().join("`"), |_| false)
 }
 
 /// The beginning of a very long text, and its length.

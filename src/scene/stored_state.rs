@@ -1,6 +1,7 @@
 //! A saved state as a scene uses it: its particles, and the names that the scene may use.
 
 use std::collections::BTreeSet;
+use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -23,12 +24,12 @@ const MAX_BYTES: u64 = 16_000_000_000;
 
 /// Reads a saved state.
 pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
-    let refuse = |why: &str| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
-    let bytes = read_at_most(path, MAX_BYTES).map_err(|error| refuse(&error.to_string()))?;
-    let bytes = bytes.ok_or_else(|| refuse("it has more than 16 GB"))?;
-    let tables = Tables::decode(&bytes).map_err(|error| refuse(&error.to_string()))?;
-    let saved = SavedState::read(&tables).and_then(stored);
-    saved.map_err(|error| refuse(&error.to_string()))
+    let read = || -> Result<StoredSpecimen, Box<dyn Error>> {
+        let bytes = read_at_most(path, MAX_BYTES)?.ok_or("it has more than 16 GB")?;
+        Ok(stored(SavedState::read(&Tables::decode(&bytes)?)?)?)
+    };
+    let refuse = |why| ReadError::File(format!("cannot read `{}`: {why}", path.display()));
+    read().map_err(refuse)
 }
 
 fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {

@@ -234,23 +234,16 @@ impl<'t> Scanner<'t> {
     fn quoted(&mut self, open: usize, quote: char, shape: Shape) -> Result<Node, Placed> {
         let start = self.at;
         self.at = open + 1;
-        loop {
-            match self.peek() {
-                Some('\\') => {
-                    self.at += 1;
-                    self.at += self.peek().map_or(0, char::len_utf8);
-                }
-                Some(c) => {
-                    self.at += c.len_utf8();
-                    if c == quote {
-                        return Ok(self.leaf(start, shape));
-                    }
-                }
-                None => {
-                    return Err(fault(start, "this quote is never closed", "close the quote"));
-                }
+        while let Some(c) = self.peek() {
+            self.at += c.len_utf8();
+            if c == quote {
+                return Ok(self.leaf(start, shape));
+            }
+            if c == '\\' {
+                self.at += self.peek().map_or(0, char::len_utf8);
             }
         }
+        Err(fault(start, "this quote is never closed", "close the quote"))
     }
 
     fn is_multiline_text(&self, node: &Node) -> bool {

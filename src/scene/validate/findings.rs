@@ -1,6 +1,6 @@
 //! The list of findings, and the checks that all topics share.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Display;
 use std::ops::{Deref, DerefMut};
 
@@ -10,7 +10,6 @@ use crate::scene::diagnostic::{Finding, within};
 use crate::scene::format::Analysis;
 use crate::scene::limits::{MAX_NUMBER, MIN_NUMBER};
 use crate::scene::spans::join;
-use crate::scene::suggest;
 
 use super::Context;
 
@@ -22,7 +21,7 @@ pub(super) struct Findings<'a> {
     /// The index of that stage, and its analysis.
     pub(super) stage: usize,
     pub(super) analysis: Analysis,
-    list: Vec<Finding>,
+    pub(super) list: Vec<Finding>,
     /// Paths and messages of the list.
     known: BTreeSet<(String, String)>,
     made_up: &'a [String],
@@ -45,15 +44,6 @@ impl<'a> Findings<'a> {
     /// The scene as a place.
     pub(super) fn root(&mut self) -> At<'_, 'a> {
         At { findings: self, path: String::new() }
-    }
-
-    pub(super) fn into_list(self) -> Vec<Finding> {
-        self.list
-    }
-
-    /// Number of findings so far.
-    pub(super) fn len(&self) -> usize {
-        self.list.len()
     }
 
     /// Whether the stage that is checked certainly has no time.
@@ -268,54 +258,5 @@ impl<'a> At<'_, 'a> {
             self.add(field, "zero (0)", format!("give {what} of 1 or more"));
         }
         value > 0
-    }
-
-    /// Checks a reference to a named part of the scene. `topic` is the field that defines such
-    /// parts.
-    pub fn reference(
-        &mut self,
-        field: impl Display,
-        name: &str,
-        (kind, topic): (&str, &str),
-        names: &[&str],
-    ) -> bool {
-        let known = names.contains(&name);
-        if !known && self.is_sure_of(topic) {
-            let help = suggest::help(name, names, &format!("{kind}s"));
-            self.add(field, format!("unknown {kind} (`{name}`)"), help);
-        }
-        known
-    }
-
-    pub fn material(&mut self, field: impl Display, name: &str) -> bool {
-        let names = &self.context.materials;
-        self.reference(field, name, ("material", "materials"), names)
-    }
-
-    pub fn wall(&mut self, field: impl Display, name: &str) -> bool {
-        let names = &self.context.walls;
-        self.reference(field, name, ("wall", "walls"), names)
-    }
-
-    /// Checks two references to different parts.
-    pub fn pair<T: PartialEq>(&mut self, field: impl Display, (a, b): (T, T), kind: &str) {
-        if a == b {
-            self.add(field, format!("a {kind} given twice"), format!("name two {kind}s"));
-        }
-    }
-
-    /// Checks that names are not empty and are unique.
-    pub fn unique<'n>(&mut self, kind: &str, names: impl IntoIterator<Item = (String, &'n str)>) {
-        let mut seen: BTreeMap<&str, String> = BTreeMap::new();
-        for (path, name) in names {
-            if name.trim().is_empty() {
-                self.add(path, format!("empty {kind}"), "give a name");
-            } else if let Some(first) = seen.get(name) {
-                let message = format!("{kind} given twice (`{name}`)");
-                self.add(path, message, format!("it is also that of {first}"));
-            } else {
-                seen.insert(name, path);
-            }
-        }
     }
 }

@@ -11,11 +11,6 @@ use super::references::index_exists;
 use super::select::select;
 use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
 
-/// Whether a column of the history has this name already.
-fn is_taken(name: &str) -> bool {
-    COLUMNS.contains(&name) || ENERGY_COLUMNS.contains(&name)
-}
-
 pub(super) fn check(at: &mut At) {
     let context = at.context;
     if let Some(stage) = &context.scene.reference_stage {
@@ -33,7 +28,8 @@ pub(super) fn check(at: &mut At) {
         if role.is_some() && at.is_sure("of") {
             names_a_role(at, name, of);
         }
-        if role.is_none() && is_taken(name) {
+        let mut columns = COLUMNS.iter().chain(&ENERGY_COLUMNS);
+        if role.is_none() && columns.any(|column| *column == *name) {
             let message = format!("the history has a column of this name (`{name}`)");
             at.add("name", message, "give another name");
         }

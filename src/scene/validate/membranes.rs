@@ -8,15 +8,10 @@ use crate::scene::stored::{StoredMembrane, StoredSpecimen};
 use super::findings::At;
 use super::parts::{face, is_known, straight, wall_there};
 
-/// A present membrane, with the walls between which it lies.
-pub(super) type Skin = (String, Option<(String, String)>);
-
 /// The membranes of a saved state from which the scene starts with its walls.
-pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Skin> {
-    taken(specimen).map(|membrane| (membrane.name.clone(), membrane.between.clone())).collect()
-}
-
-fn taken(specimen: Option<&StoredSpecimen>) -> impl Iterator<Item = &StoredMembrane> {
+pub(super) fn inherited(
+    specimen: Option<&StoredSpecimen>,
+) -> impl Iterator<Item = &StoredMembrane> {
     specimen.and_then(StoredSpecimen::gives_walls).into_iter().flat_map(|state| &state.membranes)
 }
 
@@ -25,15 +20,15 @@ pub(super) fn names<'a>(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) 
     let loads = scene.stages.iter().filter_map(Stage::load);
     let made = loads.flat_map(|load| load.membranes.keys()).map(String::as_str);
     let mut names: Vec<&str> =
-        made.chain(taken(specimen).map(|membrane| &*membrane.name)).collect();
+        made.chain(inherited(specimen).map(|membrane| &*membrane.name)).collect();
     names.sort_unstable();
     names.dedup();
     names
 }
 
 /// Finds membranes where there can be none.
-pub(super) fn none(at: &mut At, what: &str, there: &[Skin]) {
-    if let [(name, _), ..] = there
+pub(super) fn none(at: &mut At, what: &str, there: &[StoredMembrane]) {
+    if let [StoredMembrane { name, .. }, ..] = there
         && at.is_sure_of("stages")
     {
         let help = format!(
@@ -45,14 +40,14 @@ pub(super) fn none(at: &mut At, what: &str, there: &[Skin]) {
 }
 
 /// Checks the membranes of a stage; `there` are those that exist, and afterwards those that remain.
-pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<Skin>) {
+pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<StoredMembrane>) {
     for (i, name) in stage.remove_membranes.iter().enumerate() {
-        let known = there.iter().map(|(name, _)| name.as_str());
+        let known = there.iter().map(|membrane| membrane.name.as_str());
         is_known(&mut at.item("remove_membranes", i), name, known, "membrane");
-        there.retain(|(other, _)| other != name);
+        there.retain(|other| other.name != *name);
     }
-    for (name, walls) in there.iter() {
-        let Some((a, b)) = walls else { continue };
+    for StoredMembrane { name, between } in there.iter() {
+        let Some((a, b)) = between else { continue };
         let gone = |wall: &&String| at.is_there(wall) == Some(false);
         if let Some(wall) = [a, b].into_iter().find(gone)
             && at.are_sure_of(&["stages", "walls"])
@@ -66,11 +61,11 @@ pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<Skin>) {
     for (name, control) in &stage.membranes {
         let at = &mut at.entry("membranes", name);
         at.not_negative("pressure", control.pressure, "a pressure in Pa");
-        if there.iter().any(|(other, _)| other == name) {
+        if there.iter().any(|other| other.name == *name) {
             is_there_already(at, name, control);
         } else {
             made(at, control);
-            there.push((name.clone(), control.between.clone()));
+            there.push(StoredMembrane { name: name.clone(), between: control.between.clone() });
         }
     }
 }

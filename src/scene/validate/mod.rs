@@ -69,7 +69,7 @@ pub(super) fn findings(
     walls::added(at);
     selections::check(at);
     measures::check(at);
-    findings.into_list()
+    findings.list
 }
 
 /// The scene and the names in it.
@@ -162,11 +162,5 @@ impl<'a> Context<'a> {
     /// The particles at the start.
     fn at_start(&self) -> Vec<ParticleSeed> {
         cut_specimen(self.scene, self.specimen)
-    }
-
-    /// Whether the scene starts from a saved state that was read. A run that is resumed does not
-    /// read it again, and its particles are elsewhere.
-    fn starts_here(&self) -> bool {
-        self.state().is_some_and(|state| state.saved.is_some())
     }
 }

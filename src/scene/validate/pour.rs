@@ -2,7 +2,7 @@
 
 use clastic_components::domain;
 
-use crate::scene::format::{Load, Opening, Pour, Rate, Stop, Stream};
+use crate::scene::format::{Opening, Pour, Rate, Stream};
 
 use super::findings::At;
 use super::places::is_behind;
@@ -79,16 +79,5 @@ fn opening(at: &mut At, through: Opening, limits: Option<(f64, f64)>) {
         let message = format!("it reaches behind wall `{}` {corner:?}", wall.name);
         let help = "move it inside; a wall has its inside on the left of start to end";
         at.add("", message, help);
-    }
-}
-
-/// Finds stops for a full opening where nothing is poured.
-pub(super) fn none_is_full(at: &mut At, stage: &Load) {
-    for (k, stop) in stage.stop.iter().enumerate() {
-        if matches!(stop, Stop::Full(_)) {
-            let message = "it can never hold: this stage pours nothing";
-            let help = "leave it out, or make the stage a `Pour`";
-            at.add(format_args!("stop[{k}]"), message, help);
-        }
     }
 }

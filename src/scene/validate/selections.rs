@@ -21,7 +21,8 @@ pub(super) fn check(at: &mut At) {
     let unmoved = scene.stages.iter().position(moves);
     let Some((i, stage)) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
     let is_known = match &scene.specimen {
-        Specimen::State { .. } => context.starts_here(),
+        // A run that is resumed does not read the state again, and its particles are elsewhere.
+        Specimen::State { .. } => context.state().is_some_and(|state| state.saved.is_some()),
         _ => context.is_read(),
     };
     // Rows are not indices where particles were taken away before.

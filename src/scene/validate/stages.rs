@@ -31,7 +31,7 @@ pub(super) fn check(at: &mut At) {
         at.add("stages", "no stage: nothing would happen", help);
     }
     let mut groups = rigid::at_start(&scene.rigid_at_start);
-    let mut skins = membranes::inherited(context.specimen);
+    let mut skins: Vec<_> = membranes::inherited(context.specimen).cloned().collect();
     let mut stresses = carried::inherited(context.specimen);
     for (i, stage) in scene.stages.iter().enumerate() {
         let at = &mut at.item("stages", i);
@@ -60,10 +60,8 @@ pub(super) fn check(at: &mut At) {
             rigid::check(at, stage, &mut groups);
             membranes::check(at, stage, &mut skins);
         }
-        match stage {
-            Stage::Load(stage) => pour::none_is_full(at, stage),
-            Stage::Pour(stage) => pour::check(at, stage),
-            _ => {}
+        if let Stage::Pour(stage) = stage {
+            pour::check(at, stage);
         }
     }
 }

@@ -46,11 +46,11 @@ pub(super) fn check(at: &mut At, renamed: &BTreeMap<String, String>) {
         let help = "release the group in the run that saves, or leave `walls` out";
         at.add("walls", message, help);
     }
-    let before = at.len();
+    let before = at.list.len();
     for (i, row) in stored.rows.iter().enumerate() {
         let whose = format!("particle {i} of the state");
         not_behind(at, "specimen.path", &whose, (row.x, row.y), row.r);
-        if at.len() >= before + MAX_SHOWN {
+        if at.list.len() >= before + MAX_SHOWN {
             return;
         }
     }

@@ -17,6 +17,10 @@ pub(super) fn check(at: &mut At, stop: &Stop) {
         }
         Stop::Full(time) => {
             at.positive("[0]", *time, "a time in s");
+            if !scene.stages[at.stage].pours() {
+                let message = "it can never hold: this stage pours nothing";
+                at.add("", message, "leave it out, or make the stage a `Pour`");
+            }
         }
         Stop::Rest(speed) => {
             at.positive("[0]", *speed, "a speed in m/s");
