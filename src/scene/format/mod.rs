@@ -14,10 +14,8 @@ mod particle_control;
 mod pour;
 mod quantities;
 mod repeat;
-mod rigid;
 mod specimen;
 mod stages;
-mod stop;
 mod walls;
 
 use std::collections::BTreeMap;
@@ -43,17 +41,15 @@ use super::unique_keys;
 pub use analysis::{Analysis, FrictionLaw, Solver};
 pub use cell::{Cell, CellControl, CellTarget};
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
-pub use load::{Load, MembraneControl, Scale};
+pub use load::{Load, MembraneControl, RigidControl, Scale, Traction};
 pub use materials::{Bond, Contact, Material, Scatter, Spread};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
 pub use quantities::{Area, GroupAlong, Length, Measure, Modes, Quantity, ROLES, Strain, Stress};
 pub(super) use repeat::MAX_STAGES;
-pub use rigid::{RigidControl, Traction};
 pub use specimen::{Clusters, ExplicitBond, Mineral, Particle, Sizes, Specimen};
-pub use stages::{Cement, CustomStage, Remove, Save, Stage};
-pub use stop::Stop;
+pub use stages::{Cement, CustomStage, Remove, Save, Stage, Stop};
 pub use walls::{LidLoad, Table, Wall, WallControl, WallShape};
 
 /// Version of the format.
