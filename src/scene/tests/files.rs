@@ -59,6 +59,20 @@ fn a_stored_specimen_is_found_beside_the_scene() {
 }
 
 #[test]
+fn a_group_of_a_stored_specimen_can_be_cut_away() {
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.ron");
+    let cut = format!("{STORED}, keep: Except(All, Group(\"rim\"))");
+    fs::write(&scene, stored_scene().replace(STORED, &cut)).unwrap();
+    let rows = "x_m,y_m,radius_m,group\n0,1,1,\n2,1,1,rim\n";
+    fs::write(folder.path().join("stored.csv"), rows).unwrap();
+    load(&scene, &[]).unwrap();
+    fs::write(&scene, stored_scene().replace(STORED, &cut.replace("rim", "core"))).unwrap();
+    let error = load(&scene, &[]).unwrap_err().to_string();
+    assert!(error.contains("the specimen has no group `core`"), "{error}");
+}
+
+#[test]
 fn each_bad_row_is_named() {
     assert_eq!(
         complaint("x_m,y_m,radius_m\n0,NaN,1\n# note\n2, 2,-1\n4,1\n6,x,1\n"),
