@@ -3,6 +3,8 @@
 //! The text gets their values at the ends of the increments of the stage before it is read, so that
 //! the rest of the program knows tables only. Messages keep the place of the expression.
 
+use std::collections::BTreeSet;
+
 use super::diagnostic::{Finding, Placed};
 use super::expression::{Expression, parse};
 use super::spans::{join, unwrapped};
@@ -234,27 +236,17 @@ impl Course<'_> {
 }
 
 /// Findings about points, at the expressions that they come from: one for each table.
-pub(super) fn gather(placed: Vec<Placed>, tables: &[(String, f64)]) -> Vec<Placed> {
-    let mut seen = vec![false; tables.len()];
-    let mut gathered = Vec::new();
-    for mut placed in placed {
-        let point = tables.iter().enumerate().find_map(|(i, (path, increments))| {
-            let (k, _) = placed
-                .finding
-                .path
-                .strip_prefix(path.as_str())?
-                .strip_prefix('[')?
-                .split_once(']')?;
-            Some((i, k.parse::<f64>().ok()? / increments))
+pub(super) fn gather(mut placed: Vec<Placed>, tables: &[(String, f64)]) -> Vec<Placed> {
+    let mut seen = BTreeSet::new();
+    placed.retain_mut(|Placed { finding, .. }| {
+        let point = tables.iter().find_map(|(path, increments)| {
+            let (k, _) = finding.path.strip_prefix(path)?.strip_prefix('[')?.split_once(']')?;
+            Some((path, k.parse::<f64>().ok()? / increments))
         });
-        if let Some((i, s)) = point {
-            if std::mem::replace(&mut seen[i], true) {
-                continue;
-            }
-            placed.finding.path = tables[i].0.clone();
-            placed.finding.message += &format!(", at s = {s}");
-        }
-        gathered.push(placed);
-    }
-    gathered
+        let Some((path, s)) = point else { return true };
+        finding.path.clone_from(path);
+        finding.message += &format!(", at s = {s}");
+        seen.insert(path)
+    });
+    placed
 }

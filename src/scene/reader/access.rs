@@ -7,7 +7,7 @@ use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};
 use super::context::Failure;
 use super::spans::{is_group, join};
 use super::suggest;
-use super::tree::{Entry, Key, Node, Shape};
+use super::tree::{Entry, Key, Shape};
 use super::tree_reader::Reader;
 
 fn name(text: &str) -> StrDeserializer<'_, Failure> {
@@ -43,7 +43,7 @@ struct Fields<'r, 'a> {
     given: Vec<&'static str>,
     next: usize,
     /// Value of the last returned field; `None` means a value to be made up.
-    value: Option<(&'a Node, &'static str)>,
+    value: Option<Reader<'a>>,
 }
 
 impl<'a> Fields<'_, 'a> {
@@ -94,7 +94,8 @@ impl<'a> de::MapAccess<'a> for Fields<'_, 'a> {
             self.next += 1;
             if let Some(key) = &entry.key {
                 field = self.meant(key);
-                self.value = field.map(|field| (&entry.value, field));
+                self.value = field
+                    .map(|field| Reader::new(cx, &entry.value, join(path, field)).named_for(field));
                 if field.is_some() {
                     break;
                 }
@@ -124,13 +125,7 @@ impl<'a> de::MapAccess<'a> for Fields<'_, 'a> {
     }
 
     fn next_value_seed<S: DeserializeSeed<'a>>(&mut self, seed: S) -> Result<S::Value, Failure> {
-        match self.value.take() {
-            Some((node, field)) => {
-                let path = join(&self.reader.path, field);
-                seed.deserialize(Reader::new(self.reader.cx, node, path).named_for(field))
-            }
-            None => seed.deserialize(self.reader.made_up()),
-        }
+        seed.deserialize(self.value.take().unwrap_or_else(|| self.reader.made_up()))
     }
 }
 
