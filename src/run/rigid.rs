@@ -13,9 +13,9 @@ use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::{WallControl, WallRotation, WallSlide, WallTable};
 use clastic_systems::rigid_groups::{Member, State};
 
-use super::drive::drive;
+use super::group_members::members;
+use super::particle_controls::drive;
 use super::script::Script;
-use super::select::selected;
 use super::walls::find_walls;
 use crate::scene::format as scene;
 
@@ -56,14 +56,10 @@ fn set_control(
     control: Option<&scene::RigidControl>,
     analysis: &ClasticAnalysis,
 ) {
-    let get = |world: &World| {
-        let drives = world.get::<BodyDrives>(entity).map(|drives| drives.0).unwrap_or_default();
-        let loads = world.get::<LoadControl>(entity).map(|loads| loads.0).unwrap_or_default();
-        let reaction =
-            world.get::<BodyExternalForce>(entity).map(|force| force.0).unwrap_or_default();
-        (drives, loads, reaction)
-    };
-    let (mut drives, mut loads, reaction) = get(world);
+    let body = world.entity(entity);
+    let mut drives = body.get::<BodyDrives>().map(|drives| drives.0).unwrap_or_default();
+    let mut loads = body.get::<LoadControl>().map(|loads| loads.0).unwrap_or_default();
+    let reaction = body.get::<BodyExternalForce>().map(|force| force.0).unwrap_or_default();
     let force = control.and_then(|control| control.total_force(analysis.thickness));
     let wanted = match control {
         None => [None; 3],
@@ -165,11 +161,7 @@ fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
 
 /// Identities of the particles that an entry selects, ascending.
 fn chosen(world: &mut World, control: &scene::RigidControl) -> Vec<BodyId> {
-    let select = control.select.as_ref();
-    let found = select.map(|select| selected(world, select)).unwrap_or_default();
-    let mut ids: Vec<BodyId> = found.into_iter().map(|(id, _)| id).collect();
-    ids.sort_unstable();
-    ids
+    control.select.as_ref().map(|select| members(world, select)).unwrap_or_default()
 }
 
 /// The walls of these names that are there: every piece of a polyline.

@@ -3,13 +3,25 @@
 use std::collections::BTreeMap;
 
 use super::collected::{KeyResults, Point};
-use super::reasons::{CAPPED_BEFORE, INERTIA, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
 use super::results::Results;
 
 /// Stresses below this fraction of the stress that the stiffness of the grains alone would give at
 /// this strain count as round-off. Loose packings have a thousandth of that stress.
 const SOFTEST: f64 = 1e-9;
 
+/// Changes of stress below this fraction of the maximum stress count as round-off.
+pub(super) const RESOLVED: f64 = 1e-6;
+
+// Reasons why a result is not defined.
+pub(super) const NO_HALF: &str = "no increment comes to half the peak";
+pub(super) const NO_GAIN: &str =
+    "the strain does not change where the stress gains a thousandth of the peak";
+/// Reason why a rigid specimen has no modulus.
+pub const RIGID: &str = "nothing is elastic";
+pub(super) const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
+const INERTIA: &str = "inertia carries a part of the load there: the kinetic energy is above a hundredth \
+                       of the work; load more slowly, or in a static stage";
+pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes during the test";
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
 const UNKNOWN_START: &str = "the run starts from a saved state with other walls than its own or without a measured stress, \
@@ -91,12 +103,10 @@ impl KeyResults {
         if !solved {
             return Err(CAPPED_BEFORE);
         }
-        if moves(&before, &here) || moves(&here, &before) {
+        if moves(&here, &before) {
             return Err(INERTIA);
         }
-        if !self.lateral_stays_to(&here) {
-            return Err(LATERAL_CHANGES);
-        }
+        self.is_elastic(&before, &here)?;
         positive((here.stress - before.stress) / (here.strain - before.strain))
     }
 
@@ -131,14 +141,17 @@ impl KeyResults {
             return Err(RIGID);
         }
         let (before, here, part) = self.half_way(peak).ok_or(NO_HALF)?;
-        if moves(&self.start, &here) {
-            return Err(INERTIA);
-        }
-        if !self.lateral_stays_to(&here) {
-            return Err(LATERAL_CHANGES);
-        }
+        self.is_elastic(&self.start, &here)?;
         let strain = before.strain + part * (here.strain - before.strain);
         positive(0.5 * (peak - self.start.stress) / strain)
+    }
+
+    /// Whether springs alone respond between two points, under a constant lateral stress.
+    pub(super) fn is_elastic(&self, from: &Point, to: &Point) -> Result<(), &'static str> {
+        if moves(from, to) {
+            return Err(INERTIA);
+        }
+        if self.lateral_stays_to(to) { Ok(()) } else { Err(LATERAL_CHANGES) }
     }
 
     /// The increment that comes to half the peak: the points before and after it, and the part of
@@ -173,7 +186,7 @@ impl KeyResults {
 const MOVING: f64 = 1e-2;
 
 /// Whether inertia carries a part of the load at the second of two points of the curve.
-pub(super) fn moves(from: &Point, to: &Point) -> bool {
+fn moves(from: &Point, to: &Point) -> bool {
     let work = 0.5 * (to.stress - from.stress) * (to.strain - from.strain);
     to.kinetic > MOVING * work.abs()
 }
