@@ -1,8 +1,10 @@
 //! What a run measures.
 
+use clastic_components::measure;
+use clastic_components::observation::{MeasureArea, MeasureLength, StrainMeasure, StressMeasure};
 use serde::{Deserialize, Serialize};
 
-use super::quantities::Quantity;
+use super::Select;
 
 /// Names of the measures that define strain and stress. They have columns of their own in the
 /// history, and key results follow from them.
@@ -17,3 +19,14 @@ pub struct Measure {
     /// What is measured.
     pub of: Quantity,
 }
+
+/// What is measured, with the names of walls and membranes, and the indices of particles.
+pub type Quantity = measure::Quantity<String, u32, Select>;
+/// A strain since the start of the reference stage.
+pub type Strain = StrainMeasure<String, u32>;
+/// A stress.
+pub type Stress = StressMeasure<String>;
+/// Length of a wall stress.
+pub type Length = MeasureLength<String>;
+/// Area of an average stress.
+pub type Area = MeasureArea<String>;

@@ -16,7 +16,6 @@ mod minerals;
 mod output;
 mod particle_control;
 mod pour;
-mod quantities;
 mod repeat;
 mod rigid;
 mod scatter;
@@ -36,7 +35,7 @@ pub use clastic_components::increment::{
 };
 pub use clastic_components::measure::{
     CrackPart as Cracks, FabricComponent, ForceComponent as Along, FragmentPart as Fragments,
-    GrainAmount as Amount, MembraneValue, Network, RingValue,
+    GrainAmount as Amount, GroupAlong, MembraneValue, Modes, Network, RingValue,
 };
 pub use clastic_components::membrane::Sides;
 pub use clastic_components::observation::{
@@ -52,13 +51,12 @@ pub use cement::Cement;
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
 pub use load::{Load, Scale};
 pub use materials::{Bond, Contact, Material};
-pub use measures::{Measure, ROLES};
+pub use measures::{Area, Length, Measure, Quantity, ROLES, Strain, Stress};
 pub use membranes::MembraneControl;
 pub use minerals::{Clusters, Mineral};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
-pub use quantities::{Area, GroupAlong, Length, Modes, Quantity, Strain, Stress};
 pub(super) use repeat::MAX_STAGES;
 pub use rigid::{RigidControl, Traction};
 pub use scatter::{Scatter, Spread};
