@@ -155,8 +155,6 @@ pub enum StressComponent {
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Measures {
-    /// Stage at whose start the strains are zero.
-    pub reference_stage: usize,
     /// Axial strain.
     pub axial_strain: Option<StrainMeasure>,
     /// Lateral strain.

@@ -19,47 +19,35 @@ use crate::scene::format as scene;
 
 /// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.
 pub fn resolve_measures(world: &mut World) {
-    let script = world.resource::<Script>();
-    let reference_stage = script.reference_stage();
-    let scene = &script.scene;
+    let scene = &world.resource::<Script>().scene;
     let strains = ["axial_strain", "lateral_strain"].map(|name| scene.strain(name).cloned());
     let stresses = ["axial_stress", "lateral_stress"].map(|name| scene.stress(name).cloned());
     let list: Vec<_> = scene.further_measures().cloned().collect();
     let [axial_strain, lateral_strain] = strains.map(|of| strain(world, &of?));
     let [axial_stress, lateral_stress] = stresses.map(|of| stress(world, &of?));
-    let list = list
-        .into_iter()
-        .map(|scene::Measure { name, of }| {
-            let quantity = quantity(world, &name, &of);
-            (name, quantity)
-        })
-        .collect();
+    let named = list.into_iter().map(|scene::Measure { name, of }| {
+        let quantity = quantity(world, &name, &of);
+        (name, quantity)
+    });
+    let list = named.collect();
     world.resource_mut::<NamedMeasures>().list = list;
-    keep_what_is_needed(world, [axial_strain, lateral_strain]);
+    keep_what_is_needed(world);
     let mut measures = world.resource_mut::<Measures>();
     let reference = measures.reference;
-    *measures = Measures {
-        reference_stage,
-        axial_strain,
-        lateral_strain,
-        axial_stress,
-        lateral_stress,
-        reference,
-    };
+    *measures = Measures { axial_strain, lateral_strain, axial_stress, lateral_stress, reference };
 }
 
 /// Adds the tables that the measures need, where they are not there yet.
-fn keep_what_is_needed(world: &mut World, roles: [Option<StrainMeasure>; 2]) {
-    let list = &world.resource::<NamedMeasures>().list;
-    let has = |needs: fn(&Quantity) -> bool| list.iter().filter_map(|(_, q)| q.as_ref()).any(needs);
-    let region = |strain: &StrainMeasure| matches!(strain, StrainMeasure::Region { .. });
-    let regions = has(|q| {
-        matches!(q, Quantity::Strain(StrainMeasure::Region { .. }))
-            || matches!(q, Quantity::Grains { moved, .. } if *moved > 0.0)
-            || matches!(q, Quantity::Ring { .. })
-    }) || roles.iter().flatten().any(region);
-    let path = has(|q| matches!(q, Quantity::DilationAngle { .. }));
-    let cracks = has(|q| matches!(q, Quantity::Cracks { .. }));
+fn keep_what_is_needed(world: &mut World) {
+    let list = &world.resource::<Script>().scene.measures;
+    let has = |needs: fn(&scene::Quantity) -> bool| list.iter().any(|measure| needs(&measure.of));
+    let regions = has(|of| match of {
+        Quantity::Strain(StrainMeasure::Region { .. }) | Quantity::Ring { .. } => true,
+        Quantity::Grains { moved, .. } => *moved > 0.0,
+        _ => false,
+    });
+    let path = has(|of| matches!(of, Quantity::DilationAngle { .. }));
+    let cracks = has(|of| matches!(of, Quantity::Cracks { .. }));
     if regions {
         world.init_resource::<StrainReference>();
     }

@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Measures;
 use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::IncrementDue;
@@ -77,15 +76,10 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
 }
 
 fn begin(world: &mut World, stage: Stage) {
-    let mut progress = world.resource_mut::<ClasticProgress>();
-    progress.stage_name = stage.name().to_owned();
-    progress.done = 0.0;
-    progress.total = 0.0;
-    progress.fraction = 1.0;
-    progress.tried = 1.0;
-    progress.relaxing = false;
-    progress.dense = false;
-    let index = progress.stage;
+    let &ClasticProgress { increment, stage: index, time, .. } = world.resource();
+    let stage_name = stage.name().to_owned();
+    let begun = ClasticProgress { increment, stage: index, time, stage_name, ..Default::default() };
+    world.insert_resource(begun);
     let mut script = world.resource_mut::<Script>();
     script.begun = true;
     script.ends.push(StageEnd { stage: stage.name().to_owned(), ..StageEnd::default() });
@@ -95,9 +89,6 @@ fn begin(world: &mut World, stage: Stage) {
     let is_reference = index == script.reference_stage();
     until::begin(world, &stage);
     world.remove_resource::<StepControl>();
-    if is_reference {
-        world.resource_mut::<Measures>().reference_stage = index;
-    }
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
     group_members::begin_stage(world);
