@@ -2,12 +2,11 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, BodyOrigin, LoadControl};
+use clastic_components::body::{BodyId, LoadControl};
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::measure::NamedMeasures;
-use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::material_names::{MATERIALS, MaterialNames};
 use clastic_systems::measures::{NAMED, NamedState};
@@ -28,7 +27,8 @@ use super::settings::insert_settings;
 use super::spawn::insert_script;
 use super::walls::WallCatalogue;
 use crate::scene::format::Scene;
-use crate::scene::{StoredParticle, StoredSpecimen, StoredState};
+use crate::scene::stored_state::rows;
+use crate::scene::{StoredSpecimen, StoredState};
 
 /// Name of [`ScriptState`] in a state.
 pub const SCRIPT: &str = "script";
@@ -151,23 +151,14 @@ impl StateView {
             None => Vec::new(),
         };
         let materials: MaterialNames = state.get(MATERIALS)?;
-        let particles = state.components::<BodyId, Particle>("particle")?;
-        let origins = state.components::<BodyId, BodyOrigin>("origin")?;
-        let indices = state.components::<BodyId, MaterialIndex>("material")?;
-        let origin = |id| origins.binary_search_by_key(&id, |(id, _)| *id).ok();
-        let rows = particles.iter().zip(&indices).filter_map(|((id, particle), (_, index))| {
-            let place = origins[origin(*id)?].1.0;
-            let material = materials.0.get(index.0 as usize).cloned();
-            Some(StoredParticle { x: place.x, y: place.y, r: particle.radius, material })
-        });
+        let names: Vec<&String> = materials.0.iter().collect();
+        let (rows, indices) = rows(state, "origin", &names)?;
         // Walls follow the particles that the run had at its start.
         let catalogue: WallCatalogue = state.get(WALL_CATALOGUE)?;
-        let last = particles.last().map_or(0, |(id, _)| id.0 + 1);
-        let first = catalogue.first;
         let taken = (catalogue.inherited.unwrap_or_default(), catalogue.membranes);
         let specimen = StoredSpecimen {
-            rows: rows.collect(),
-            indices: u64::from(first.max(last)),
+            rows,
+            indices: indices.max(catalogue.first.into()),
             groups: Vec::new(),
             state: Some(StoredState::of(state, taken, catalogue.rigid, None)?),
         };
