@@ -8,11 +8,11 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::bond::BondState;
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::particle::Particle;
 
+use super::cement::intact;
 use super::compact::{enclosure, target_porosity};
 use super::disks::{Disks, radii};
 use super::script::Script;
@@ -40,9 +40,7 @@ pub(super) fn factor(world: &mut World, stage: &Compact, disks: &Disks) -> Optio
 /// Why a compaction cannot begin: the length at which a bond is at rest would change with the
 /// radii.
 pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
-    let mut bonds = world.query::<&BondState>();
-    let is_bonded = bonds.iter(world).any(|state| *state == BondState::Intact);
-    (stage.by == CompactBy::Radii && is_bonded)
+    (stage.by == CompactBy::Radii && intact(world) > 0)
         .then(|| "grains that are bonded cannot grow; compact before `Cement`".to_owned())
 }
 

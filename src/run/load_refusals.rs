@@ -4,10 +4,10 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, BodyPosition, LoadControl};
-use clastic_components::bond::BondState;
 use clastic_components::particle::Particle;
 use clastic_components::wall::{LoadedLength, WallControl, WallName};
 
+use super::cement::intact;
 use super::select::selected;
 use super::touching::placed;
 use super::wall_pieces::{CUT, is_cut};
@@ -80,8 +80,7 @@ pub(super) fn why_empty(select: &scene::Select) -> (String, &'static str) {
 /// estimated.
 fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<String> {
     stage.accuracy?;
-    let mut bonds = world.query::<&BondState>();
-    let intact = bonds.iter(world).filter(|state| **state == BondState::Intact).count();
+    let intact = intact(world);
     (intact > 0).then(|| {
         format!("`accuracy` is for stages without bonds, and there are {intact}; leave it out")
     })
@@ -100,13 +99,11 @@ fn added(world: &World, stage: &scene::Load, touching: bool) -> Vec<scene::Wall>
 fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     let walls = added(world, stage, false);
     let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
-    let cut = |wall: &scene::Wall| {
+    let (wall, particle) = walls.iter().find_map(|wall| {
         let all = particles.iter(world);
         let cut = all.filter(|(_, particle, x)| is_cut(wall, x.0, particle.radius));
-        cut.map(|(id, ..)| id.0).min()
-    };
-    let (wall, particle) =
-        walls.iter().zip(walls.iter().map(cut)).find_map(|(w, p)| Some((w, p?)))?;
+        Some((wall, cut.map(|(id, ..)| id.0).min()?))
+    })?;
     Some(format!(
         "wall `{}` of add_walls would cut through particle {particle}, whose \
          centre is within {CUT:?} radii of it; add it where there is room",

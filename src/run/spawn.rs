@@ -83,6 +83,7 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
 
 /// Adds the bonds that the scene lists, and its stages, to a world that has its bodies.
 pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
+    insert_script(world, scene);
     bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
     // The stages read the record, also where another plugin writes it.
     world.init_resource::<Observation>();
@@ -90,7 +91,6 @@ pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
     world.insert_resource(KeyResults::of_scene(scene));
     count_bonds(world);
     world.init_resource::<Sanity>();
-    insert_script(world, scene);
 }
 
 /// Inserts the stages of a scene, before the first one.

@@ -35,38 +35,27 @@ impl KeyResults {
         let mut defined = |name: &str, value: Result<f64, &str>| {
             value.map_err(|reason| reasons.insert(name.to_owned(), reason.to_owned())).ok()
         };
-        let before = &self.results;
-        let peak = self.peak();
-        let mut results = Results {
-            youngs_modulus_pa: defined("youngs_modulus_pa", peak.and_then(|p| self.tangent(p))),
-            youngs_modulus_secant_half_peak_pa: defined(
-                "youngs_modulus_secant_half_peak_pa",
-                peak.and_then(|p| self.secant(p)),
-            ),
-            poissons_ratio: defined("poissons_ratio", peak.and_then(|p| self.poissons_ratio(p))),
-            peak_stress_pa: defined("peak_stress_pa", peak),
-            strain_at_peak: defined(
-                "strain_at_peak",
-                peak.and_then(|_| before.strain_at_peak.ok_or(NO_CURVE)),
-            ),
-            strength_pa: defined("strength_pa", self.strength().map(|(_, peak)| peak.stress)),
-            residual_strength_pa: defined("residual_strength_pa", self.residual_strength()),
-            friction_angle_rad: defined("friction_angle_rad", self.friction_angle()),
-            limit_load_pa: defined("limit_load_pa", self.limit_load(peak)),
-            first_crack_stress_pa: defined("first_crack_stress_pa", self.first_crack()),
-            crack_initiation_stress_pa: defined(
-                "crack_initiation_stress_pa",
-                self.crack_initiation(),
-            ),
-            crack_damage_stress_pa: defined("crack_damage_stress_pa", self.crack_damage()),
-            porosity: defined(
-                "porosity",
-                before
-                    .porosity
-                    .ok_or("the reference stage made no increment, or no specimen is there"),
-            ),
-            ..before.clone()
-        };
+        let (mut results, peak) = (self.results.clone(), self.peak());
+        results.youngs_modulus_pa =
+            defined("youngs_modulus_pa", peak.and_then(|peak| self.tangent(peak)));
+        let secant = peak.and_then(|peak| self.secant(peak));
+        results.youngs_modulus_secant_half_peak_pa =
+            defined("youngs_modulus_secant_half_peak_pa", secant);
+        results.poissons_ratio =
+            defined("poissons_ratio", peak.and_then(|peak| self.poissons_ratio(peak)));
+        results.peak_stress_pa = defined("peak_stress_pa", peak);
+        let strain = peak.and_then(|_| results.strain_at_peak.ok_or(NO_CURVE));
+        results.strain_at_peak = defined("strain_at_peak", strain);
+        results.strength_pa = defined("strength_pa", self.strength().map(|(_, peak)| peak.stress));
+        results.residual_strength_pa = defined("residual_strength_pa", self.residual_strength());
+        results.friction_angle_rad = defined("friction_angle_rad", self.friction_angle());
+        results.limit_load_pa = defined("limit_load_pa", self.limit_load(peak));
+        results.first_crack_stress_pa = defined("first_crack_stress_pa", self.first_crack());
+        results.crack_initiation_stress_pa =
+            defined("crack_initiation_stress_pa", self.crack_initiation());
+        results.crack_damage_stress_pa = defined("crack_damage_stress_pa", self.crack_damage());
+        let without = "the reference stage made no increment, or no specimen is there";
+        results.porosity = defined("porosity", results.porosity.ok_or(without));
         if results.mechanism.is_none() {
             let reason = "no mechanism proves a collapse";
             reasons.insert("mechanism".to_owned(), reason.to_owned());
