@@ -1,4 +1,4 @@
-//! Loading stages. At its start walls go and come, and walls and particles get their controls. At its
+//! Loading stages: at the start walls go and come, and walls and particles get their controls; at the
 //! end controls of walls end, and loads stay where they are.
 
 use bevy_ecs::prelude::*;
