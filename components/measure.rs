@@ -1,6 +1,8 @@
 //! Measures of a scene beside its axial and lateral strain and stress: the quantity of each, and
 //! the readings of the last increment.
 
+use std::ops::Range;
+
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
@@ -8,35 +10,35 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::body::BodyId;
-use crate::bond::RuptureMode;
 use crate::observation::{MeasureArea, StrainComponent, StrainMeasure, StressMeasure};
 
 /// What a measure reads. Strain and stress have the signs of [`crate::observation`].
-#[derive(Clone, Debug, PartialEq)]
+///
+/// `W` stands for a wall or a membrane, `P` for a particle, `G` for a group of them: their entities
+/// and identities in a world, their names, indices and selections in a scene.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum Quantity {
+pub enum Quantity<W = Entity, P = Entity, G = Vec<BodyId>> {
     /// Strain since the start of the reference stage.
-    Strain(StrainMeasure),
+    Strain(StrainMeasure<W, P>),
     /// Stress, Pa.
-    Stress(StressMeasure),
+    Stress(StressMeasure<W>),
     /// One minus the area of all disks over this area.
-    Porosity(MeasureArea),
+    Porosity(MeasureArea<W>),
     /// Mean number of contacts and bonds with force per particle. A contact of two particles counts
     /// for each of them, a contact with a wall once.
     Coordination {
         /// Whether particles with less than two such contacts count. Without them it is the
         /// mechanical coordination number (2 N_c - N_1) / (N - N_0 - N_1) of Thornton (2000,
         /// Geotechnique 50, 43-53).
+        #[serde(default = "yes")]
         rattlers: bool,
     },
-    /// Bonds that broke so far.
-    Broken {
-        /// Only in this mode; `None` for all.
-        mode: Option<RuptureMode>,
-        /// Whether the value is the number of broken bonds over that of all bonds, instead of their
-        /// number.
-        share: bool,
-    },
+    /// Number of bonds that broke so far.
+    Broken(Modes),
+    /// Their share of all bonds.
+    BrokenShare(Modes),
     /// The record's volumetric strain, from axial and lateral strain.
     VolumetricStrain,
     /// Angle of dilation psi, rad: `sin psi = -(d e_a + d e_l) / |d e_a - d e_l|` with the
@@ -45,6 +47,7 @@ pub enum Quantity {
     DilationAngle {
         /// Change of the axial strain over which the increments are taken; 0 for those of the last
         /// increment.
+        #[serde(default)]
         over: f64,
     },
     /// Component of the fabric tensor of the contacts of particles with each other.
@@ -52,6 +55,7 @@ pub enum Quantity {
         /// Component.
         component: FabricComponent,
         /// Contacts that count.
+        #[serde(default)]
         network: Network,
     },
     /// Fragments: sets of particles that intact bonds or rigid groups connect. A particle without
@@ -60,10 +64,11 @@ pub enum Quantity {
     /// Cracks: each bond that breaks leaves one as long as the diameter of its smaller particle,
     /// across the line between the two centres at the start of the increment in which it breaks.
     Cracks {
-        /// Only those that broke in this mode; `None` for all.
-        mode: Option<RuptureMode>,
         /// The value.
         part: CrackPart,
+        /// Modes in which the bonds broke.
+        #[serde(default)]
+        mode: Modes,
     },
     /// Kinetic energy of the particles, J.
     KineticEnergy,
@@ -74,47 +79,51 @@ pub enum Quantity {
     /// Force that a wall exerts on the specimen, N.
     WallForce {
         /// The wall.
-        wall: Entity,
+        wall: W,
         /// Its component.
+        #[serde(default)]
         along: ForceComponent,
     },
     /// Force or moment of the contacts and bonds that cross the boundary of a group, on the group,
     /// N or N m.
     GroupForce {
-        /// Its particles, in the order of identities.
-        members: Vec<BodyId>,
-        /// 0 and 1 for the force along x and y, 2 for the moment about the centre of mass.
-        component: usize,
+        /// Its particles; in a world in the order of identities.
+        select: G,
+        /// Component of the force, or the moment.
+        #[serde(default)]
+        along: GroupAlong,
+        /// Whether the particles are selected anew in every increment, and not only when a stage
+        /// begins.
+        #[serde(default)]
+        live: bool,
     },
     /// Number of the grains that stages have poured in so far, or their mass in kg.
-    Poured {
-        /// Whether it is the mass.
-        mass: bool,
-    },
+    Poured(GrainAmount),
     /// Grains with centres in a rectangle.
     Grains {
         /// How they are counted.
         amount: GrainAmount,
-        /// Lower left corner, m.
-        min: DVec2,
+        /// Lower left corner, m; without it the rectangle has no end there.
+        min: Option<(f64, f64)>,
         /// Upper right corner, m.
-        max: DVec2,
-        /// Minimum displacement since the start of the reference stage, m.
+        max: Option<(f64, f64)>,
+        /// Minimum displacement since the start of the reference stage, m; 0 counts all.
+        #[serde(default)]
         moved: f64,
     },
     /// Value of the particles whose centres were in a ring at the start of the reference stage.
     Ring {
         /// Centre of the ring, m.
-        centre: DVec2,
+        centre: (f64, f64),
         /// Inner and outer radius, m.
-        radii: [f64; 2],
+        radii: (f64, f64),
         /// The value.
         value: RingValue,
     },
     /// Value of a membrane.
     Membrane {
         /// The membrane.
-        membrane: Entity,
+        membrane: W,
         /// The value.
         value: MembraneValue,
     },
@@ -128,7 +137,52 @@ pub enum Quantity {
     Custom(String),
 }
 
-impl Quantity {
+fn yes() -> bool {
+    true
+}
+
+/// Modes in which bonds break.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Modes {
+    /// All modes.
+    #[default]
+    All,
+    /// Tension.
+    Tension,
+    /// Shear.
+    Shear,
+    /// Rolling.
+    Rolling,
+}
+
+impl Modes {
+    /// Their places in a table by [`RuptureMode`](crate::bond::RuptureMode).
+    #[must_use]
+    pub fn places(self) -> Range<usize> {
+        match self {
+            Self::All => 0..3,
+            Self::Tension => 0..1,
+            Self::Shear => 1..2,
+            Self::Rolling => 2..3,
+        }
+    }
+}
+
+/// Component of the force on a group.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum GroupAlong {
+    /// Along x.
+    #[default]
+    X,
+    /// Along y.
+    Y,
+    /// Moment about the centre of mass.
+    Moment,
+}
+
+impl<W, P, G> Quantity<W, P, G> {
     /// Unit of the readings; empty for a pure number, and for the value of a plugin.
     #[must_use]
     pub fn unit(&self) -> &'static str {
@@ -145,21 +199,24 @@ impl Quantity {
             | Self::Fabric { component: FabricComponent::Direction, .. }
             | Self::Cracks { part: CrackPart::Direction, .. } => "rad",
             Self::KineticEnergy | Self::ElasticEnergy => "J",
-            Self::GroupForce { component: 2, .. } => "N m",
+            Self::GroupForce { along: GroupAlong::Moment, .. } => "N m",
             Self::WallForce { .. } | Self::GroupForce { .. } => "N",
-            Self::Poured { mass: true } | Self::Grains { amount: GrainAmount::Mass, .. } => "kg",
+            Self::Poured(GrainAmount::Mass) | Self::Grains { amount: GrainAmount::Mass, .. } => {
+                "kg"
+            }
             Self::Gravity => "m/s^2",
             Self::Time => "s",
             Self::Strain(_)
             | Self::Porosity(_)
             | Self::Coordination { .. }
-            | Self::Broken { .. }
+            | Self::Broken(_)
+            | Self::BrokenShare(_)
             | Self::VolumetricStrain
             | Self::Fabric { .. }
             | Self::Fragments(_)
             | Self::Cracks { .. }
             | Self::KineticOverElastic
-            | Self::Poured { .. }
+            | Self::Poured(_)
             | Self::Grains { .. }
             | Self::Membrane { .. }
             | Self::StrengthFactor
@@ -333,18 +390,15 @@ mod tests {
     /// What a quantity counts decides its unit.
     #[test]
     fn parts_of_a_quantity_have_units_of_their_own() {
-        let grains = |amount| {
-            let corner = DVec2::ZERO;
-            Quantity::Grains { amount, min: corner, max: corner, moved: 0.0 }
-        };
-        let force = |component| Quantity::GroupForce { members: Vec::new(), component };
-        let cracks = |part| Quantity::Cracks { mode: None, part };
+        let grains = |amount| Quantity::Grains { amount, min: None, max: None, moved: 0.0 };
+        let force = |along| Quantity::GroupForce { select: Vec::new(), along, live: false };
+        let cracks = |part| Quantity::Cracks { mode: Modes::All, part };
         let membrane = |value| Quantity::Membrane { membrane: Entity::PLACEHOLDER, value };
-        let expected = [
+        let expected: [(Quantity, &str); 12] = [
             (grains(GrainAmount::Mass), "kg"),
             (grains(GrainAmount::Share), ""),
-            (force(1), "N"),
-            (force(2), "N m"),
+            (force(GroupAlong::Y), "N"),
+            (force(GroupAlong::Moment), "N m"),
             (cracks(CrackPart::Length), "m"),
             (cracks(CrackPart::Direction), "rad"),
             (cracks(CrackPart::Alignment), ""),
@@ -352,7 +406,7 @@ mod tests {
             (membrane(MembraneValue::OuterArea), "m^2"),
             (membrane(MembraneValue::OuterWidth), "m"),
             (Quantity::Strain(StrainMeasure::Cell(CellStrain::Width)), ""),
-            (Quantity::Poured { mass: true }, "kg"),
+            (Quantity::Poured(GrainAmount::Mass), "kg"),
         ];
         for (quantity, unit) in expected {
             assert_eq!(quantity.unit(), unit, "{quantity:?}");

@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 #[cfg(feature = "reflect")]
 use bevy_ecs::reflect::ReflectResource;
-use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use crate::attempt::IncrementStatus;
@@ -11,15 +10,21 @@ use crate::bond::Rupture;
 use clastic_cone::program::Residuals;
 
 /// What a strain measure compares with the start of the reference stage. Contraction is positive.
-#[derive(Clone, Copy, Debug, PartialEq)]
+///
+/// `W` stands for a wall or a membrane, `P` for a particle: their entities in a world, their names
+/// and indices in a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename = "Strain", deny_unknown_fields)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum StrainMeasure {
+pub enum StrainMeasure<W = Entity, P = Entity> {
     /// Engineering strain of the distance between two walls along the normal of the first wall.
-    Walls(Entity, Entity),
+    Walls(W, W),
     /// Engineering strain of the distance between the centres of two particles.
-    Particles(Entity, Entity),
+    Particles(P, P),
     /// Engineering strain of the mean width of a membrane that covers both sides.
-    Membrane(Entity),
+    Membrane(W),
+    /// Strain of the periodic cell.
+    Cell(CellStrain),
     /// Linear strain of the displacement gradient `H` that fits the displacements of particles
     /// best, by least squares: `u = u_0 + H (x - x_0)`.
     Region {
@@ -27,12 +32,10 @@ pub enum StrainMeasure {
         component: StrainComponent,
         /// Lower left corner of the rectangle in which the centres of the particles lie at the
         /// start of the reference stage, m.
-        min: DVec2,
+        min: (f64, f64),
         /// Upper right corner, m.
-        max: DVec2,
+        max: (f64, f64),
     },
-    /// Strain of the periodic cell.
-    Cell(CellStrain),
 }
 
 /// Strain of a periodic cell.
@@ -67,23 +70,24 @@ pub enum StrainComponent {
     Rotation,
 }
 
-/// Source of a stress measure. Compression is positive.
-#[derive(Clone, Debug, PartialEq)]
+/// Source of a stress measure. Compression is positive. `W` as in [`StrainMeasure`].
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename = "Stress", deny_unknown_fields)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum StressMeasure {
+pub enum StressMeasure<W = Entity> {
     /// Mean normal force on the named walls divided by length times thickness.
     Walls {
         /// The walls whose forces are averaged.
-        walls: Vec<Entity>,
+        walls: Vec<W>,
         /// The length.
-        length: MeasureLength,
+        length: MeasureLength<W>,
     },
     /// Component of the average stress `sum f (x) l / V` (Love, Weber), wall branches included.
     Average {
         /// Component.
         component: StressComponent,
         /// Area of the average, m^2.
-        area: MeasureArea,
+        area: MeasureArea<W>,
     },
     /// Average stress in a rectangle. Every contact counts by the part of its branch that lies
     /// inside.
@@ -91,36 +95,38 @@ pub enum StressMeasure {
         /// Component.
         component: StressComponent,
         /// Lower left corner, m.
-        min: DVec2,
+        min: (f64, f64),
         /// Upper right corner, m.
-        max: DVec2,
+        max: (f64, f64),
     },
     /// Pressure of a membrane.
-    Membrane(Entity),
+    Membrane(W),
 }
 
 /// Length in a wall stress.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename = "Length")]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum MeasureLength {
+pub enum MeasureLength<W = Entity> {
     /// A fixed length, m.
     Fixed(f64),
     /// Current distance between two walls.
-    Between(Entity, Entity),
+    Between(W, W),
     /// Mean width of a membrane that covers both sides, at the start of the increment.
-    Membrane(Entity),
+    Membrane(W),
 }
 
 /// Area of an average stress.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(rename = "Area")]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
-pub enum MeasureArea {
+pub enum MeasureArea<W = Entity> {
     /// A fixed area, m^2.
     Fixed(f64),
-    /// Product of two wall distances at the start of the increment.
-    Box([Entity; 4]),
+    /// Product of the distances of two pairs of walls at the start of the increment.
+    Box((W, W), (W, W)),
     /// Area that a membrane encloses, through the centres of its grains.
-    Membrane(Entity),
+    Membrane(W),
     /// The periodic cell at the start of the increment.
     Cell,
 }
@@ -149,8 +155,6 @@ pub enum StressComponent {
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Measures {
-    /// Stage at whose start the strains are zero.
-    pub reference_stage: usize,
     /// Axial strain.
     pub axial_strain: Option<StrainMeasure>,
     /// Lateral strain.

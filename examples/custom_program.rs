@@ -9,7 +9,7 @@ use std::process::ExitCode;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use clastic::prelude::*;
-use clastic::run::measures::ProvideMeasure;
+use clastic::run::plugin::Provide;
 
 /// Deviator of the fabric of contacts with force: mean of n_y^2 - n_x^2 over their normals n.
 #[derive(Resource, Default)]

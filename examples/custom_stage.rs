@@ -6,7 +6,7 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use clastic::prelude::*;
-use clastic::run::plugin::{BeginStage, ProvideStage, StageSystems, stage_is};
+use clastic::run::plugin::{BeginStage, Provide, StageSystems, stage_is};
 use clastic::run::spawn::spawn_scene;
 use clastic::run::stages::CurrentStage;
 use clastic::run::{ScenePlugin, advance};

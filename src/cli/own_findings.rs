@@ -2,8 +2,7 @@
 
 use bevy_app::App;
 
-use crate::run::measures::MeasureKinds;
-use crate::run::plugin::{StageKinds, WallPlugins};
+use crate::run::plugin::Provided;
 use crate::scene::Finding;
 use crate::scene::format::{Quantity, Scene, Stage, WallControl};
 use crate::scene::spans::join;
@@ -15,12 +14,9 @@ const OWN_PROGRAM: &str = "run the scene in a program of your own (ARCHITECTURE.
 /// Finds walls, stages and measures that a scene leaves to an embedding program, and that the
 /// plugins of this program do not provide. Such a wall would stand still without a message.
 pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
-    let world = app.world();
-    let stages: Vec<&str> =
-        world.get_resource::<StageKinds>().map_or(Vec::new(), |kinds| kinds.names().collect());
-    let measures: Vec<&str> =
-        world.get_resource::<MeasureKinds>().map_or(Vec::new(), |kinds| kinds.names().collect());
-    let drives_walls = world.contains_resource::<WallPlugins>();
+    let provided = app.world().resource::<Provided>();
+    let stages: Vec<&str> = provided.stages.iter().copied().collect();
+    let measures: Vec<&str> = provided.measures().collect();
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
         if let Stage::Custom(stage) = stage
@@ -32,7 +28,7 @@ pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
         }
         let Some(stage) = stage.load() else { continue };
         let custom = stage.walls.iter().filter(|(_, control)| **control == WallControl::Custom);
-        findings.extend(custom.filter(|_| !drives_walls).map(|(name, _)| {
+        findings.extend(custom.filter(|_| !provided.walls).map(|(name, _)| {
             Finding::new(
                 join(&format!("stages[{i}].walls"), name),
                 "`Custom` leaves the wall to a system of an embedding program, and the `clastic` program has none",

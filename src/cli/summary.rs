@@ -299,7 +299,8 @@ mod tests {
             stop,
             ..StageEnd::default()
         });
-        let script = Script { ends: ends.collect(), ..Script::new(&scene) };
+        let mut script = Script::new(&scene);
+        script.ends = ends.collect();
         summary(&Summary {
             ending: &Ending::Finished(Outcome::Completed),
             increment: 35,
@@ -358,7 +359,9 @@ mod tests {
                 reason: String::new(),
             };
             let ends = vec![end("confine", EndedBy::Collapse), end("shear", last)];
-            after_collapse(&Script { ends, collapse: Some(collapse), ..Script::new(&scene) })
+            let mut script = Script::new(&scene);
+            (script.ends, script.collapse) = (ends, Some(collapse));
+            after_collapse(&script)
         };
         let line = said(EndedBy::AllIncrements).unwrap();
         assert!(
@@ -379,7 +382,9 @@ mod tests {
             ended_by: Some(EndedBy::AllIncrements),
             ..StageEnd::default()
         };
-        let lines = warnings(&Script { ends: vec![end], ..Script::new(&scene) });
+        let mut script = Script::new(&scene);
+        script.ends = vec![end];
+        let lines = warnings(&script);
         assert_eq!(lines.len(), 2);
         assert!(lines[1].contains("in dynamic stages"), "{lines:?}");
         assert!(!lines[1].contains("in static stages"), "{lines:?}");
@@ -398,7 +403,11 @@ mod tests {
             stop: Some(Stop::Until("q".to_owned(), 3.0e5)),
             ..StageEnd::default()
         };
-        let said = |end| warnings(&Script { ends: vec![end], ..Script::new(&scene) });
+        let said = |end| {
+            let mut script = Script::new(&scene);
+            script.ends = vec![end];
+            warnings(&script)
+        };
         let missed = end(EndedBy::AllIncrements, None);
         assert_eq!(stage(&missed), None);
         assert_eq!(

@@ -6,7 +6,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, BodyOrigin};
-use clastic_components::bond::Bond;
+use clastic_components::bond::{Bond, BondState};
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
@@ -19,8 +19,8 @@ use clastic_systems::gather_bodies::gather_bodies;
 
 use super::laws::bond_law;
 use super::scatter::scattered;
+use super::script::Script;
 use super::select::selected;
-use super::settings::BondsOfMaterials;
 use super::walls::WallCatalogue;
 use crate::scene::format::{Bond as BondOfScene, Cement};
 
@@ -164,6 +164,12 @@ fn gathered(world: &mut World) -> (BodyTable, ContactHistory) {
     (bodies, history)
 }
 
+/// Number of intact bonds.
+pub(super) fn intact(world: &mut World) -> usize {
+    let mut bonds = world.query::<&BondState>();
+    bonds.iter(world).filter(|state| **state == BondState::Intact).count()
+}
+
 /// Normal force of a contact before it is bonded, N. A pair that no increment has loaded carries
 /// nothing, whatever its overlap.
 fn carried(world: &World, history: &ContactHistory, contact: &Contact, law: &ContactLaw) -> f64 {
@@ -191,7 +197,7 @@ fn add(
     }
     let materials = world.resource::<Materials>();
     // A world without a scene has no laws that scatter.
-    let of_scene = world.get_resource::<BondsOfMaterials>();
+    let scene = world.get_resource::<Script>().map(|script| &script.scene);
     let origin = |row: u32| {
         let origin = world.get::<BodyOrigin>(bodies.entities[row as usize]);
         origin.map_or(bodies.positions[row as usize], |origin| origin.0)
@@ -199,7 +205,7 @@ fn add(
     let places = [origin(a), origin(b)];
     let law_of = |body: u32| {
         let index = *bodies.materials.get(body as usize)? as usize;
-        let bond = of_scene.and_then(|laws| laws.0.get(index).copied().flatten());
+        let bond = scene.and_then(|scene| scene.materials.values().nth(index)?.bond);
         let law = match bond.filter(|bond| bond.scatter.is_some()) {
             Some(bond) => scattered(&bond, places),
             None => materials.0[index].bond?,

@@ -6,14 +6,13 @@
 //! the state: bodies, bonds, laws, references of strains.
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
 use clastic_components::increment::ClasticProgress;
-use clastic_components::wall::WallControl;
 
 use super::state::StateView;
+use super::wall_controls::motion;
 use super::walls::find_walls;
-use crate::scene::format::{CellTarget, Load, Scene, Stage, WallControl as Wanted};
+use crate::scene::format::{CellTarget, Load, Scene, Stage};
 
 /// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a
 /// reason.
@@ -113,21 +112,6 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
     });
     ((state.ramps || cell_moves || !old.scale.is_default()) && old.increments != new.increments)
         .then_some("it is under way, and a load reaches its target at the end of its `increments`")
-}
-
-/// Control of a wall with imposed motion; `None` for other controls.
-fn motion(control: &Wanted) -> Option<WallControl> {
-    match *control {
-        Wanted::Displacement(x, y) => Some(WallControl::Displacement(DVec2::new(x, y))),
-        Wanted::Velocity(x, y) => Some(WallControl::Velocity(DVec2::new(x, y))),
-        Wanted::Rotation { about, angle } => {
-            Some(WallControl::Rotation { about: about.into(), angle })
-        }
-        Wanted::Spin { about, angular_velocity } => {
-            Some(WallControl::Spin { about: about.into(), rate: angular_velocity })
-        }
-        _ => None,
-    }
 }
 
 /// Applies the changes of the current stage in `new` to a world that was restored from `state`.

@@ -61,7 +61,7 @@ pub(super) fn begin_increment(world: &mut World) {
         let now = members(world, &select);
         let mut named = world.resource_mut::<NamedMeasures>();
         for (measure, quantity) in &mut named.list {
-            if let Some(Quantity::GroupForce { members, .. }) = quantity
+            if let Some(Quantity::GroupForce { select: members, .. }) = quantity
                 && *measure == name
             {
                 members.clone_from(&now);

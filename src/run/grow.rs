@@ -8,13 +8,13 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::bond::BondState;
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::particle::Particle;
 
-use super::compact::target_porosity;
-use super::enclosure::room;
+use super::cement::intact;
+use super::compact::{enclosure, target_porosity};
+use super::disks::{Disks, radii};
 use super::script::Script;
 use crate::scene::format::{Compact, CompactBy, Stage};
 
@@ -30,18 +30,17 @@ fn growing<'a>(script: &'a Script, progress: &ClasticProgress) -> Option<&'a Com
     }
 }
 
-/// Factor that brings disks of this total area (m^2) to the porosity of the stage.
-pub(super) fn factor(world: &mut World, stage: &Compact, area: f64) -> Option<f64> {
-    let porosity = target_porosity(world, stage)?;
-    Some(((1.0 - porosity) * room(world, stage)? / area).sqrt())
+/// Factor that brings the disks to the porosity of the stage.
+pub(super) fn factor(world: &mut World, stage: &Compact, disks: &Disks) -> Option<f64> {
+    let (height, length) = enclosure(world, stage)?;
+    let porosity = target_porosity(stage, disks)?;
+    Some(((1.0 - porosity) * (height * length) / disks.area).sqrt())
 }
 
 /// Why a compaction cannot begin: the length at which a bond is at rest would change with the
 /// radii.
 pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
-    let mut bonds = world.query::<&BondState>();
-    let is_bonded = bonds.iter(world).any(|state| *state == BondState::Intact);
-    (stage.by == CompactBy::Radii && is_bonded)
+    (stage.by == CompactBy::Radii && intact(world) > 0)
         .then(|| "grains that are bonded cannot grow; compact before `Cement`".to_owned())
 }
 
@@ -51,14 +50,11 @@ pub(super) fn grow(world: &mut World) {
     let progress = world.resource::<ClasticProgress>();
     let Some(stage) = growing(world.resource::<Script>(), progress).cloned() else { return };
     let share = (progress.fraction / (progress.total - progress.done)).min(1.0);
-    let mut particles = world.query::<(&BodyId, &Particle)>();
-    let mut radii: Vec<_> = particles.iter(world).map(|(id, disk)| (*id, disk.radius)).collect();
-    radii.sort_unstable_by_key(|(id, _)| *id);
-    let area = radii.iter().map(|(_, r)| std::f64::consts::PI * r * r).sum();
-    let Some(to_target) = factor(world, &stage, area) else { return };
+    let radii = radii(world);
+    let Some(to_target) = factor(world, &stage, &Disks::of(radii.iter().copied())) else { return };
     let now = 1.0 + (to_target - 1.0) * share;
     let mut bodies = world.resource_mut::<BodyTable>();
-    for (row, (_, radius)) in radii.iter().enumerate() {
+    for (row, radius) in radii.iter().enumerate() {
         bodies.radii[row] = radius * now;
     }
     bodies.mean_radius = bodies.radii.iter().sum::<f64>() / radii.len().max(1) as f64;

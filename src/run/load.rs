@@ -1,14 +1,17 @@
-//! Start of a loading stage: removed and added walls, controls of walls and particles.
+//! Loading stages: at the start walls go and come, and walls and particles get their controls; at the
+//! end controls of walls end, and loads stay where they are.
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::body::LoadControl;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::step_control::StepControl;
+use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
 
 use super::script::Script;
 use super::settings::analysis;
 use super::walls::{find_wall, find_walls, spawn_wall};
-use super::{membranes, particle_controls, rigid, wall_controls};
+use super::{cell, membranes, particle_controls, rigid, wall_controls};
 use crate::scene::format as scene;
 
 /// Sets up a loading stage.
@@ -34,7 +37,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
         }
     }
     wall_controls::set(world, stage);
-    super::cell::control(world, stage);
+    cell::control(world, stage);
     particle_controls::set(world, stage, &analysis);
     rigid::control_groups(world, stage, &analysis);
     membranes::control_membranes(world, stage, &confining);
@@ -58,4 +61,55 @@ fn set_up(
     world.insert_resource(analysis);
     world.resource_mut::<ClasticProgress>().total = f64::from(increments);
     analysis
+}
+
+/// Ends the stage that is under way after the last increment: the next one begins with the next
+/// increment.
+pub fn end_stage(world: &mut World) {
+    end(world);
+    let mut progress = world.resource_mut::<ClasticProgress>();
+    progress.done = progress.total;
+    progress.relaxing = false;
+}
+
+/// Ends a loading stage. Loads keep the values that they have reached, which are not their targets
+/// where the stage ends early or on another course; lids stop. A second end changes nothing.
+pub fn end(world: &mut World) {
+    let progress = world.resource::<ClasticProgress>().clone();
+    let reached = |from: f64, to: f64| progress.ramp(from, to).from;
+    cell::end(world);
+    let mut walls = world.query::<&mut WallControl>();
+    for mut control in walls.iter_mut(world) {
+        if let WallControl::Force { from, to } | WallControl::Stress { from, to, .. } =
+            &mut *control
+        {
+            *to = reached(*from, *to);
+        }
+    }
+    membranes::end(world, &progress);
+    let mut particles = world.query::<&mut LoadControl>();
+    for mut control in particles.iter_mut(world) {
+        for (from, to) in &mut control.0 {
+            *to = reached(*from, *to);
+        }
+    }
+    let dt = world.resource::<ClasticAnalysis>().kind.dt();
+    let mut walls = world.query::<(&mut WallControl, &WallTable)>();
+    for (mut control, table) in walls.iter_mut(world) {
+        let value = table.next(&progress, dt)[0].from;
+        *control = match *control {
+            WallControl::Table(TableOf::Force) => WallControl::Force { from: value, to: value },
+            WallControl::Table(TableOf::Stress(length)) => {
+                WallControl::Stress { from: value, to: value, length }
+            }
+            WallControl::Table(TableOf::Displacement | TableOf::Rotation(_)) => WallControl::Fixed,
+            other => other,
+        };
+    }
+    let mut walls = world.query_filtered::<Entity, Or<(With<WallTable>, With<WallSlide>)>>();
+    let walls: Vec<_> = walls.iter(world).collect();
+    for wall in walls {
+        world.entity_mut(wall).remove::<(WallSlide, WallTable)>();
+    }
+    world.resource_mut::<ClasticProgress>().course.clear();
 }

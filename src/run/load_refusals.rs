@@ -1,29 +1,44 @@
 //! Why a loading stage cannot begin: selections without particles, walls where particles are or
-//! behind which they lie.
+//! behind which they lie, stresses on lengths that end.
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, BodyPosition, LoadControl};
-use clastic_components::bond::BondState;
 use clastic_components::particle::Particle;
+use clastic_components::wall::{LoadedLength, WallControl, WallName};
 
+use super::cement::intact;
 use super::select::selected;
 use super::touching::placed;
 use super::wall_pieces::{CUT, is_cut};
 use super::walls::WallCatalogue;
+use super::{membranes, rigid};
 use crate::scene::format as scene;
 use crate::scene::validate::is_behind;
 
+/// Why a loading stage cannot begin; `None` if it can.
+pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
+    selects_nothing(world, stage)
+        .or_else(|| releases_nothing(world, stage))
+        .or_else(|| cuts_through(world, stage))
+        .or_else(|| leaves_behind(world, stage))
+        .or_else(|| meets_nothing(world, stage))
+        .or_else(|| bonds_with_accuracy(world, stage))
+        .or_else(|| loses_its_length(world, stage))
+        .or_else(|| rigid::refusal(world, stage))
+        .or_else(|| membranes::refusal(world, stage))
+}
+
 /// An entry of `particles` that selects no particle. The stage is refused, because without this
 /// entry the results would be those of another scene.
-pub fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
+fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let k = stage.particles.iter().position(|c| selected(world, &c.select).is_empty())?;
     let (what, remedy) = why_empty(&stage.particles[k].select);
     Some(format!("particles[{k}].select selects no particle: {what}; {remedy}"))
 }
 
 /// An entry of `particles` that releases loads of particles which have none.
-pub fn releases_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
+fn releases_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let k = stage.particles.iter().position(|control| {
         let selected = selected(world, &control.select);
         let mut loads = selected.iter().filter_map(|(_, entity)| world.get::<LoadControl>(*entity));
@@ -36,39 +51,36 @@ pub fn releases_nothing(world: &mut World, stage: &scene::Load) -> Option<String
 }
 
 /// Why a selection has no particle, and what to do.
-pub(super) fn why_empty(select: &scene::Select) -> (String, String) {
+pub(super) fn why_empty(select: &scene::Select) -> (String, &'static str) {
+    use scene::Select;
     match select {
-        scene::Select::All => {
-            ("the specimen has no particles".to_owned(), "leave the entry out".to_owned())
+        Select::All => ("the specimen has no particles".to_owned(), "leave the entry out"),
+        Select::Index(list) => {
+            (format!("no particle has an index of {list:?}"), "name particles that exist")
         }
-        scene::Select::Index(list) => (
-            format!("no particle has an index of {list:?}"),
-            "name particles that exist".to_owned(),
-        ),
-        scene::Select::Group(name) => (
+        Select::Group(name) => (
             format!("no particle is of group `{name}`"),
-            "name a group of which particles are left".to_owned(),
+            "name a group of which particles are left",
         ),
-        scene::Select::Probe(name) => {
-            (format!("no particle is the probe `{name}`"), "name a probe that exists".to_owned())
+        Select::Probe(name) => {
+            (format!("no particle is the probe `{name}`"), "name a probe that exists")
         }
-        scene::Select::Box { min, max } => {
-            let what = format!("no particle has its centre in the box from {min:?} to {max:?}");
-            (what, "give a box that holds the particles where they are by then".to_owned())
-        }
+        Select::Box { min, max } => (
+            format!("no particle has its centre in the box from {min:?} to {max:?}"),
+            "give a box that holds the particles where they are by then",
+        ),
         _ => (
             "no particle is in it".to_owned(),
-            "give one that has particles where they are by then".to_owned(),
+            "give one that has particles where they are by then",
         ),
     }
 }
 
 /// A bond in a stage that chooses its increments by their error: the error of ruptures is not
 /// estimated.
-pub fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<String> {
+fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<String> {
     stage.accuracy?;
-    let mut bonds = world.query::<&BondState>();
-    let intact = bonds.iter(world).filter(|state| **state == BondState::Intact).count();
+    let intact = intact(world);
     (intact > 0).then(|| {
         format!("`accuracy` is for stages without bonds, and there are {intact}; leave it out")
     })
@@ -84,16 +96,14 @@ fn added(world: &World, stage: &scene::Load, touching: bool) -> Vec<scene::Wall>
 
 /// A wall that comes where a particle is. The stage is refused, because the side of the particle from a
 /// thin wall is not clear, and a line would press on it with half of its stiffness times its radius.
-pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
+fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
     let walls = added(world, stage, false);
     let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
-    let cut = |wall: &scene::Wall| {
+    let (wall, particle) = walls.iter().find_map(|wall| {
         let all = particles.iter(world);
         let cut = all.filter(|(_, particle, x)| is_cut(wall, x.0, particle.radius));
-        cut.map(|(id, ..)| id.0).min()
-    };
-    let (wall, particle) =
-        walls.iter().zip(walls.iter().map(cut)).find_map(|(w, p)| Some((w, p?)))?;
+        Some((wall, cut.map(|(id, ..)| id.0).min()?))
+    })?;
     Some(format!(
         "wall `{}` of add_walls would cut through particle {particle}, whose \
          centre is within {CUT:?} radii of it; add it where there is room",
@@ -102,7 +112,7 @@ pub fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
 }
 
 /// A wall that is to touch the outermost particle and meets none on its way.
-pub fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
+fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let wall = added(world, stage, true).into_iter().find(|wall| placed(world, wall).is_none())?;
     Some(format!(
         "wall `{}` of add_walls is to touch the outermost particle, and meets \
@@ -113,7 +123,7 @@ pub fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
 
 /// A wall that comes with particles behind it, as one does that is drawn from its end to its start.
 /// The stage is refused, because it would push them through the wall in one increment.
-pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
+fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
     let walls = added(world, stage, false);
     let mut particles = world.query::<(&Particle, &BodyPosition)>();
     let (wall, behind) = walls.iter().find_map(|wall| {
@@ -127,4 +137,33 @@ pub fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
          inside on the left of start to end; exchange them, or take such particles away before (`Remove`)",
         wall.name
     ))
+}
+
+/// A wall keeps a stress on the distance of two walls of which the stage removes one. The stage is
+/// refused, because the wall would silently lose its load.
+fn loses_its_length(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let mut walls = world.query::<(&BodyId, &WallName, &WallControl)>();
+    let mut kept: Vec<_> = walls
+        .iter(world)
+        .filter_map(|(id, WallName(name), control)| match *control {
+            WallControl::Stress { length: LoadedLength::Between(a, b), .. } => {
+                Some((*id, name.clone(), [a, b]))
+            }
+            _ => None,
+        })
+        .filter(|(_, name, _)| {
+            !stage.walls.contains_key(name) && !stage.remove_walls.contains(name)
+        })
+        .collect();
+    kept.sort_unstable_by_key(|(id, ..)| *id);
+    kept.into_iter().find_map(|(_, wall, between)| {
+        let names = between.map(|wall| world.get::<WallName>(wall).map(|name| name.0.clone()));
+        let [Some(a), Some(b)] = names else { return None };
+        let gone = [&a, &b].into_iter().find(|name| stage.remove_walls.contains(name))?;
+        Some(format!(
+            "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`, and \
+             remove_walls takes `{gone}` away; give it another control in this stage: \
+             `walls: {{ \"{wall}\": Fixed }}`"
+        ))
+    })
 }

@@ -9,12 +9,12 @@ use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition};
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::membrane::{Course, Membrane};
-use clastic_components::wall::{LoadedLength, Wall, WallControl};
+use clastic_components::wall::{Wall, WallControl};
 use clastic_systems::control_walls::loaded_length;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::membranes::{find_shape, renew_shapes};
 
-use super::walls::{find_wall, find_walls};
+use super::walls::{find_pair, find_walls, length_between};
 use crate::scene::format as scene;
 
 /// The membrane with the given name, if it exists.
@@ -56,10 +56,10 @@ fn made(
     let course = match &control.between {
         None => Course::Closed,
         Some((a, b)) => {
-            let (a, b) = (find_wall(world, a)?, find_wall(world, b)?);
+            let [first, second] = find_pair(world, a, b)?;
             Course::Between {
-                first: *world.get::<BodyId>(a)?,
-                second: *world.get::<BodyId>(b)?,
+                first: *world.get::<BodyId>(first)?,
+                second: *world.get::<BodyId>(second)?,
                 sides: control.sides.unwrap_or_default(),
             }
         }
@@ -81,8 +81,10 @@ pub fn pressures_before(world: &mut World, stage: &scene::Load) -> BTreeMap<Stri
 /// the two walls `between` which the membrane lies, or over the drawn length. 0 without walls.
 fn stress_of(world: &mut World, names: &[String], between: Option<&(String, String)>) -> f64 {
     let walls: Vec<Entity> = names.iter().flat_map(|name| find_walls(world, name)).collect();
-    let pair = between.and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
-    let length = pair.map_or(LoadedLength::Segment, |(a, b)| LoadedLength::Between(a, b));
+    if walls.is_empty() {
+        return 0.0;
+    }
+    let length = length_between(world, between);
     let mut geometry = world.query::<(&Wall, &BodyPosition)>();
     let (world, geometry) = (&*world, geometry.query(world));
     let thickness = world.resource::<ClasticAnalysis>().thickness;
@@ -98,9 +100,6 @@ fn stress_of(world: &mut World, names: &[String], between: Option<&(String, Stri
             _ => 0.0,
         }
     };
-    if walls.is_empty() {
-        return 0.0;
-    }
     (walls.iter().map(stress).sum::<f64>() / walls.len() as f64).max(0.0)
 }
 

@@ -3,10 +3,9 @@
 use std::collections::BTreeMap;
 
 use glam::DVec2;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::particles::{ParticleSeed, particles};
+use super::random::Random;
 use super::select::{Candidate, selects};
 use crate::scene::format::{Clusters, Mineral, Scene, Select};
 use crate::scene::specimen_file::StoredSpecimen;
@@ -109,17 +108,13 @@ impl Points {
         (best.1, best.2)
     }
 
-    /// Point and rank of a cell: the key of the generator is the cell, its stream the seed.
+    /// Point and rank of a cell.
     fn of(&mut self, cell: [i32; 2]) -> (DVec2, u64) {
         *self.known.entry(cell).or_insert_with(|| {
-            let mut key = [0; 32];
-            key[..4].copy_from_slice(&cell[0].to_le_bytes());
-            key[4..8].copy_from_slice(&cell[1].to_le_bytes());
-            let mut random = ChaCha8Rng::from_seed(key);
-            random.set_stream(self.seed);
-            let mut unit = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-            let point = DVec2::from(cell.map(f64::from)) + DVec2::new(unit(), unit());
-            (point, random.next_u64())
+            let key = cell.map(i32::to_le_bytes);
+            let mut random = Random::keyed(key.as_flattened(), self.seed);
+            let within = DVec2::new(random.unit(), random.unit());
+            (DVec2::from(cell.map(f64::from)) + within, random.integer())
         })
     }
 }

@@ -6,27 +6,20 @@
 
 mod advice;
 mod before;
-mod begin_script;
 pub(crate) mod cell;
 pub mod cement;
 pub mod changes;
 pub(crate) mod compact;
 mod cores;
-pub(crate) mod densest;
-mod drive;
-mod enclosure;
-mod end_load;
-mod end_run;
+pub(crate) mod disks;
 mod group_members;
 mod grow;
 mod jam;
-mod kept_stress;
 pub mod key_results;
 mod landing;
 mod laws;
 pub(crate) mod load;
 mod load_refusals;
-mod measure_error;
 pub mod measures;
 mod membranes;
 pub mod minerals;
@@ -35,6 +28,8 @@ pub mod particles;
 pub mod plugin;
 pub(crate) mod pour;
 mod pour_room;
+mod provided;
+mod random;
 pub(crate) mod remove;
 mod resolve_measures;
 mod rigid;
@@ -47,7 +42,6 @@ pub(crate) mod select;
 pub(crate) mod settings;
 pub(crate) mod sieve;
 pub mod spawn;
-pub(crate) mod stage_kinds;
 pub mod stages;
 mod start;
 pub mod state;
@@ -58,12 +52,12 @@ mod wall_controls;
 pub(crate) mod wall_pieces;
 pub(crate) mod walls;
 
-use bevy_app::{App, Plugin, Plugins};
+use bevy_app::{App, Plugins};
 use bevy_ecs::prelude::*;
 
 use clastic_systems::stepping::{self, ClasticHalted, IncrementDue};
 
-pub use end_load::end_stage;
+pub use load::end_stage;
 pub use plugin::ScenePlugin;
 pub use script::{Collapse, CollapsedBy, EndedBy, Outcome, StageEnd, Step};
 pub use state::{StateError, WorldState};
@@ -105,7 +99,7 @@ impl Simulation {
     /// `stored` is the content of the specimen file, if the scene names one.
     #[must_use]
     pub fn new(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
-        Self::with_plugins(scene, stored, NoPlugins)
+        Self::with_plugins(scene, stored, ())
     }
 
     /// A world as [`new`](Self::new) makes it, with plugins of your own, which may provide stages
@@ -133,7 +127,7 @@ impl Simulation {
     /// # Errors
     /// If the state has an entry that no plugin registers, or that cannot be decoded.
     pub fn resume(scene: &Scene, state: &WorldState) -> Result<Self, StateError> {
-        Self::resume_with(scene, state, NoPlugins)
+        Self::resume_with(scene, state, ())
     }
 
     /// A world as [`resume`](Self::resume) makes it, with the plugins with which the state was
@@ -210,13 +204,6 @@ pub fn advance(world: &mut World) -> Step {
         Some(outcome) if !world.resource::<IncrementDue>().0 => Step::Finished(outcome.clone()),
         _ => Step::Increment,
     }
-}
-
-/// No plugin.
-struct NoPlugins;
-
-impl Plugin for NoPlugins {
-    fn build(&self, _: &mut App) {}
 }
 
 /// An app with [`ClasticPlugins`], [`ScenePlugin`] and further plugins, before any scene.

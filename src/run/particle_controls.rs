@@ -6,7 +6,6 @@ use clastic_components::body::{BodyDrive, BodyDrives, BodyPosition, LoadControl}
 use clastic_components::increment::ClasticAnalysis;
 use clastic_components::particle::Particle;
 
-use super::drive::drive;
 use super::select::selected;
 use crate::scene::format as scene;
 
@@ -45,5 +44,15 @@ pub(super) fn set(world: &mut World, stage: &scene::Load, analysis: &ClasticAnal
                 loads.0 = loads.0.map(|(from, _)| (from, remains * from));
             }
         }
+    }
+}
+
+/// The drive of a motion in a stage with this analysis.
+pub(super) fn drive(motion: scene::Motion, analysis: &ClasticAnalysis) -> BodyDrive {
+    match motion {
+        scene::Motion::Free => BodyDrive::Free,
+        scene::Motion::Held => BodyDrive::Imposed(0.0),
+        scene::Motion::Displacement(u) => BodyDrive::Imposed(u),
+        scene::Motion::Velocity(v) => BodyDrive::Imposed(v * analysis.kind.dt().unwrap_or(0.0)),
     }
 }

@@ -1,9 +1,8 @@
 //! The particles of a specimen, before any stage: explicit, lattice, loose packing, stored.
 
 use glam::DVec2;
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use super::random::Random;
 use super::sieve;
 use crate::scene::format::{Sizes, Specimen};
 use crate::scene::specimen_file::{StoredParticle, StoredSpecimen};
@@ -64,7 +63,7 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
         Specimen::Packing { count, columns, spacing, origin, sizes, seed, material } => {
             // A packing without columns is refused, after its other mistakes were looked for.
             let columns = &(*columns).max(1);
-            let mut random = Random::new(*seed);
+            let mut random = Random::stream(*seed, 0);
             let sieved = match sizes {
                 Sizes::Sieve { passing } => sieve::radii(passing, *count, *seed),
                 _ => Vec::new(),
@@ -126,52 +125,4 @@ fn lattice(
         }
     }
     out
-}
-
-/// Random numbers of a specimen, which depend on the seed only and not on the machine.
-pub(super) struct Random(ChaCha8Rng);
-
-impl Random {
-    fn new(seed: u64) -> Self {
-        Self(ChaCha8Rng::seed_from_u64(seed))
-    }
-
-    /// One of the independent sequences of a seed.
-    pub(super) fn stream(seed: u64, stream: u64) -> Self {
-        let mut random = Self::new(seed);
-        random.0.set_stream(stream);
-        random
-    }
-
-    /// Uniform in [0, 1): the upper 53 bits.
-    pub(super) fn unit(&mut self) -> f64 {
-        (self.0.next_u64() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    pub(super) fn radius(&mut self, sizes: &Sizes) -> f64 {
-        match *sizes {
-            Sizes::Equal { radius } => radius,
-            Sizes::Uniform { radius: (low, high) } => self.between(low, high),
-            Sizes::LogNormal { radius, deviation, limits: (low, high) } => {
-                // Box-Muller transform. Values outside the limits are drawn again. After many
-                // rejections, when the limits are far from the median, the value is set to the
-                // nearest limit.
-                for _ in 0..1000 {
-                    let (u, v) = (1.0 - self.unit(), self.unit());
-                    let normal = (-2.0 * u.ln()).sqrt() * (std::f64::consts::TAU * v).cos();
-                    let r = radius * (deviation * normal).exp();
-                    if (low..=high).contains(&r) {
-                        return r;
-                    }
-                }
-                radius.clamp(low, high)
-            }
-            // Listed at once, so that the whole packing has the curve.
-            Sizes::Sieve { .. } => f64::NAN,
-        }
-    }
 }

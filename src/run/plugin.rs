@@ -5,7 +5,6 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
 use clastic_components::body::{BodyId, Group};
-use clastic_components::measure::{NamedMeasures, Quantity};
 use clastic_components::poured::Poured;
 use clastic_components::wall::WallName;
 use clastic_systems::schedule::{
@@ -15,50 +14,46 @@ use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, is_due};
 
 use super::before::{Before, take_down};
-use super::end_run::end_run;
 use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
 use super::grow::{are_growing, grow, keep_radii};
 use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
-use super::measures::{MeasureKinds, read_custom};
 use super::pour::{POURED, pour};
+pub use super::provided::{Provide, Provided};
+use super::provided::{has_measures, read_measures};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
 use super::scale::{is_scaled, scale};
 use super::script::{Script, StageEnd};
-pub use super::stage_kinds::{BeginStage, EndStage, ProvideStage, StageKinds, StageSystems};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
 use super::state::{SCRIPT, ScriptState, WALL_CATALOGUE};
-use super::stop::end_increment;
+use super::stop::{end_increment, end_run};
 use super::until::{APPROACH, Approach, forget_halted, is_halted, is_on, keep_state};
 use super::walls::WallCatalogue;
 use crate::scene::format::Stage;
 
-/// Whether a plugin drives walls with the control `Custom`. Without one the command line refuses
-/// scenes with such walls, which would stand still.
-#[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct WallPlugins;
+/// Begins the [`CurrentStage`]: sets controls and `ClasticProgress::total`,
+/// which is 0 for a stage without increments.
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct BeginStage;
 
-/// Registers that a plugin drives walls.
-pub trait ProvideWalls {
-    /// The plugin has systems in
-    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive
-    /// walls with the control `Custom`.
-    fn provide_walls(&mut self) -> &mut Self;
-}
+/// Ends the [`CurrentStage`].
+#[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct EndStage;
 
-impl ProvideWalls for App {
-    fn provide_walls(&mut self) -> &mut Self {
-        self.init_resource::<WallPlugins>()
-    }
+/// Sets of [`BeginStage`] and [`EndStage`], and of the end of an increment, in order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum StageSystems {
+    /// Systems of the engine: in [`BeginStage`] and [`EndStage`].
+    BuiltIn,
+    /// Systems of a plugin for its kinds of stages: in [`BeginStage`] and [`EndStage`].
+    Custom,
+    /// Stop conditions of a plugin: in [`AdvanceIncrement`], after the increment. They set
+    /// [`Script::stop`].
+    Stop,
 }
 
 /// Run condition: the [`CurrentStage`] is a `Custom` stage of this kind.
 pub fn stage_is(kind: &'static str) -> impl FnMut(Option<Res<CurrentStage>>) -> bool + Clone {
     move |stage| matches!(stage.as_deref(), Some(CurrentStage(Stage::Custom(s))) if s.kind == kind)
-}
-
-/// Run condition: the scene has measures of plugins.
-fn measures_of_plugins(named: Res<NamedMeasures>) -> bool {
-    named.list.iter().any(|(_, quantity)| matches!(quantity, Some(Quantity::Custom(_))))
 }
 
 /// Adds the stages of a scene to [`ClasticPlugins`](crate::ClasticPlugins).
@@ -92,8 +87,7 @@ impl Plugin for ScenePlugin {
             .register_resource::<Untouched>(UNTOUCHED)
             .register_resource::<Poured>(POURED)
             .add_message::<StageEnd>()
-            .init_resource::<StageKinds>()
-            .init_resource::<MeasureKinds>()
+            .init_resource::<Provided>()
             .init_resource::<Before>()
             .add_systems(BeginStage, begin_built_in.in_set(StageSystems::BuiltIn))
             .add_systems(
@@ -143,7 +137,7 @@ impl Plugin for ScenePlugin {
                         .after(AdvanceSystems::End)
                         .before(AdvanceSystems::Announce),
                     // Measures are read after all systems of plugins that come before `Stop`.
-                    (read_custom.run_if(measures_of_plugins), end_increment.run_if(runs_scene))
+                    (read_measures.run_if(has_measures), end_increment.run_if(runs_scene))
                         .chain()
                         .in_set(AdvanceSystems::End)
                         .after(StageSystems::Stop),

@@ -11,8 +11,8 @@ use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgre
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::poured::Poured;
 
-use super::particles::Random;
 use super::pour_room::Room;
+use super::random::Random;
 use super::script::Script;
 use super::{load, sieve};
 use crate::scene::format::{Pour, Rate, Scene, Sizes, Stage, Stream};

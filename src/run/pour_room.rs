@@ -8,7 +8,8 @@ use clastic_components::particle::Particle;
 use clastic_components::wall::Wall;
 use clastic_components::wall_shape::WallShape;
 
-use super::particles::Random;
+use super::random::Random;
+use super::wall_pieces::Piece;
 use crate::scene::format::Opening;
 
 /// Minimum gap to other bodies, in radii: far above the round-off of a place, so that no pair
@@ -21,7 +22,7 @@ const TRIES: usize = 16;
 /// Disks and walls of a world at one moment.
 pub(super) struct Room {
     disks: Vec<(DVec2, f64)>,
-    walls: Vec<(DVec2, Wall, WallShape)>,
+    walls: Vec<Piece>,
 }
 
 impl Room {
@@ -29,8 +30,11 @@ impl Room {
         let mut disks = world.query::<(&Particle, &BodyPosition)>();
         let disks = disks.iter(world).map(|(disk, place)| (place.0, disk.radius)).collect();
         let mut walls = world.query::<(&Wall, &BodyPosition, Option<&WallShape>)>();
-        let walls = walls.iter(world);
-        let walls = walls.map(|(wall, x, shape)| (x.0, *wall, shape.copied().unwrap_or_default()));
+        let walls = walls.iter(world).map(|(wall, x, shape)| Piece {
+            position: x.0,
+            wall: *wall,
+            shape: shape.copied().unwrap_or_default(),
+        });
         Self { disks, walls: walls.collect() }
     }
 
@@ -57,7 +61,8 @@ impl Room {
                 }
             };
             let place = self.on_row(row, radius, random.unit())?;
-            self.clears_walls(place, radius).then_some(place)
+            let clears = |wall: &Piece| wall.distance(place) >= radius * (1.0 + CLEARANCE);
+            self.walls.iter().all(clears).then_some(place)
         })
     }
 
@@ -102,13 +107,6 @@ impl Room {
             left -= to - from;
         }
         Some(start + along * last.1)
-    }
-
-    fn clears_walls(&self, place: DVec2, radius: f64) -> bool {
-        self.walls.iter().all(|(at, wall, shape)| {
-            let near = shape.nearest(wall.inward(), wall.half_length, place - *at);
-            near.distance >= radius * (1.0 + CLEARANCE)
-        })
     }
 }
 

@@ -13,7 +13,7 @@ use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::{WallControl, WallRotation, WallSlide, WallTable};
 use clastic_systems::rigid_groups::{Member, State};
 
-use super::drive::drive;
+use super::particle_controls::drive;
 use super::script::Script;
 use super::select::selected;
 use super::walls::find_walls;
@@ -56,19 +56,13 @@ fn set_control(
     control: Option<&scene::RigidControl>,
     analysis: &ClasticAnalysis,
 ) {
-    let get = |world: &World| {
-        let drives = world.get::<BodyDrives>(entity).map(|drives| drives.0).unwrap_or_default();
-        let loads = world.get::<LoadControl>(entity).map(|loads| loads.0).unwrap_or_default();
-        let reaction =
-            world.get::<BodyExternalForce>(entity).map(|force| force.0).unwrap_or_default();
-        (drives, loads, reaction)
-    };
-    let (mut drives, mut loads, reaction) = get(world);
+    let body = world.entity(entity);
+    let mut drives = body.get::<BodyDrives>().map(|drives| drives.0).unwrap_or_default();
+    let mut loads = body.get::<LoadControl>().map(|loads| loads.0).unwrap_or_default();
+    let reaction = body.get::<BodyExternalForce>().map(|force| force.0).unwrap_or_default();
     let force = control.and_then(|control| control.total_force(analysis.thickness));
-    let wanted = match control {
-        None => [None; 3],
-        Some(control) => [force.map(|f| f.0), force.map(|f| f.1), control.moment],
-    };
+    let moment = control.and_then(|control| control.moment);
+    let wanted = [force.map(|f| f.0), force.map(|f| f.1), moment];
     for k in 0..3 {
         let before = drives[k];
         drives[k] = match (control, before) {
@@ -89,7 +83,6 @@ fn set_control(
 }
 
 type Particles<'a> = (
-    &'a BodyId,
     &'a Particle,
     &'a BodyPosition,
     &'a BodyRotation,
@@ -102,35 +95,25 @@ type Particles<'a> = (
 /// the load from which the group starts.
 fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
     let about = control.about;
-    let chosen = chosen(world, control);
+    let (mut ids, chosen): (Vec<BodyId>, Vec<Entity>) = chosen(world, control).into_iter().unzip();
     let walls = walls_of(world, &control.walls);
     let mut query = world.query::<Particles>();
-    let mut members: Vec<(BodyId, f64, Member)> = query
-        .iter(world)
-        .filter(|(id, ..)| chosen.binary_search(id).is_ok())
-        .map(|(id, particle, x, rotation, v, spin)| {
-            let member = Member {
-                mass: particle.mass,
-                inertia: particle.inertia,
-                radius: particle.radius,
-                position: x.0,
-                velocity: v.0,
-                spin: spin.0,
-            };
-            (*id, rotation.0, member)
-        })
-        .collect();
-    members.sort_unstable_by_key(|(id, ..)| *id);
-    let state = State::of(members.iter().map(|(.., member)| *member), about.map(DVec2::from));
-    let mut ids: Vec<BodyId> = members.iter().map(|(id, ..)| *id).collect();
-    for (id, _, x, _, mut v, mut spin) in query.iter_mut(world) {
-        if ids.binary_search(id).is_ok() {
+    let member = |entity: &Entity| {
+        let (particle, x, rotation, v, spin) = query.get(world, *entity).ok()?;
+        let Particle { mass, inertia, radius, .. } = *particle;
+        let member = Member { mass, inertia, radius, position: x.0, velocity: v.0, spin: spin.0 };
+        Some((rotation.0, member))
+    };
+    let members: Vec<(f64, Member)> = chosen.iter().filter_map(member).collect();
+    let state = State::of(members.iter().map(|(_, member)| *member), about.map(DVec2::from));
+    for entity in chosen {
+        if let Ok((_, x, _, mut v, mut spin)) = query.get_mut(world, entity) {
             v.0 = state.velocity + state.spin * (x.0 - state.centre).perp();
             spin.0 = state.spin;
         }
     }
     let mut carried = [0.0; 3];
-    let mut reference = members.first().map(|(_, rotation, _)| *rotation);
+    let mut reference = members.first().map(|(rotation, _)| *rotation);
     for (id, wall) in walls {
         ids.push(id);
         let mut wall = world.entity_mut(wall);
@@ -163,13 +146,9 @@ fn make(world: &mut World, name: &str, control: &scene::RigidControl) {
     }
 }
 
-/// Identities of the particles that an entry selects, ascending.
-fn chosen(world: &mut World, control: &scene::RigidControl) -> Vec<BodyId> {
-    let select = control.select.as_ref();
-    let found = select.map(|select| selected(world, select)).unwrap_or_default();
-    let mut ids: Vec<BodyId> = found.into_iter().map(|(id, _)| id).collect();
-    ids.sort_unstable();
-    ids
+/// The particles that an entry selects, by identity.
+fn chosen(world: &mut World, control: &scene::RigidControl) -> Vec<(BodyId, Entity)> {
+    control.select.as_ref().map(|select| selected(world, select)).unwrap_or_default()
 }
 
 /// The walls of these names that are there: every piece of a polyline.
@@ -211,7 +190,8 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
             );
             return because(name, what);
         }
-        let mut ids = chosen(world, control);
+        let chosen = chosen(world, control).into_iter();
+        let mut ids: Vec<BodyId> = chosen.map(|(id, _)| id).collect();
         if ids.is_empty() && control.select.is_some() {
             return because(name, "selects no particle; select what is to be rigid".to_owned());
         }

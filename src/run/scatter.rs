@@ -1,30 +1,28 @@
 //! Scatter of bonds: the law of one bond from that of its material.
 //!
 //! The draws of a bond depend on the seed and on where its two bodies were at the start of the run
-//! ([`BodyOrigin`]), which is stored with them. They do not depend on the order of the particles,
-//! nor on that in which bonds are made.
+//! ([`BodyOrigin`](clastic_components::body::BodyOrigin)), which is stored with them, and not on the
+//! order of the particles or of the bonds.
 
 use glam::DVec2;
 use libm::{exp, log, pow, sqrt, tgamma};
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use clastic_components::material::BondLaw;
 
 use super::laws::bond_law;
+use super::random::Random;
 use crate::scene::format::{Bond, Spread};
-
-#[allow(unused_imports, reason = "named in the documentation")]
-use clastic_components::body::BodyOrigin;
 
 /// The law of a bond between bodies that were at these places at the start of the run, m.
 pub fn scattered(bond: &Bond, places: [DVec2; 2]) -> BondLaw {
     let law = bond_law(bond);
     let Some(scatter) = &bond.scatter else { return law };
-    let mut draws = Draws::of(scatter.seed, places);
+    let mut random = numbers(scatter.seed, places);
+    // In (0, 1].
+    let mut unit = || random.unit() + 0.5 * f64::EPSILON;
     // Every factor has a draw at a fixed place, whether it is asked for or not.
     let mut factor = |spread: Option<Spread>| {
-        let (u, v) = (draws.unit(), draws.unit());
+        let (u, v) = (unit(), unit());
         spread.map_or(1.0, |spread| of(spread, u, v))
     };
     let (strength, stiffness) = (factor(scatter.strength), factor(scatter.stiffness));
@@ -55,28 +53,13 @@ fn of(spread: Spread, u: f64, v: f64) -> f64 {
     }
 }
 
-/// Random numbers of one bond.
-struct Draws(ChaCha8Rng);
-
-impl Draws {
-    /// The key of the generator is the two places, its stream the seed.
-    fn of(seed: u64, places: [DVec2; 2]) -> Self {
-        // Negative zero is the same place as zero.
-        let mut numbers = places.map(|x| [x.x + 0.0, x.y + 0.0].map(f64::to_bits));
-        numbers.sort_unstable();
-        let mut key = [0; 32];
-        for (bytes, number) in key.chunks_exact_mut(8).zip(numbers.as_flattened()) {
-            bytes.copy_from_slice(&number.to_le_bytes());
-        }
-        let mut generator = ChaCha8Rng::from_seed(key);
-        generator.set_stream(seed);
-        Self(generator)
-    }
-
-    /// Uniform in (0, 1]: the upper 53 bits.
-    fn unit(&mut self) -> f64 {
-        ((self.0.next_u64() >> 11) + 1) as f64 / (1_u64 << 53) as f64
-    }
+/// Random numbers of the bond between two places.
+fn numbers(seed: u64, places: [DVec2; 2]) -> Random {
+    // Negative zero is the same place as zero.
+    let mut places = places.map(|x| [x.x + 0.0, x.y + 0.0].map(f64::to_bits));
+    places.sort_unstable();
+    let key = places.map(|place| place.map(u64::to_le_bytes));
+    Random::keyed(key.as_flattened().as_flattened(), seed)
 }
 
 #[cfg(test)]

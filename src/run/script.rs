@@ -1,5 +1,7 @@
 //! Script of a run: its stages, the current stage, and how earlier stages ended.
 
+use std::ops::{Deref, DerefMut};
+
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +13,18 @@ use crate::scene::shown::label;
 pub struct Script {
     /// The scene.
     pub scene: Scene,
+    /// What of it is part of the state of the run. Its fields read as those of the script.
+    pub state: ScriptState,
+    /// Outcome of the run, after it has ended.
+    pub outcome: Option<Outcome>,
+    /// Whether the stage ends with this increment. Systems in
+    /// [`StageSystems::Stop`](super::plugin::StageSystems::Stop) set it.
+    pub stop: bool,
+}
+
+/// State of a [`Script`] apart from its scene.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ScriptState {
     /// Whether the stage at [`ClasticProgress::stage`](clastic_components::increment::ClasticProgress::stage) has
     /// begun.
     pub begun: bool,
@@ -20,13 +34,8 @@ pub struct Script {
     pub peak: f64,
     /// The first collapse.
     pub collapse: Option<Collapse>,
-    /// Outcome of the run, after it has ended.
-    pub outcome: Option<Outcome>,
     /// Stages so far with their ends. The last one is the current stage.
     pub ends: Vec<StageEnd>,
-    /// Whether the stage ends with this increment. Systems in
-    /// [`StageSystems::Stop`](super::plugin::StageSystems::Stop) set it.
-    pub stop: bool,
 }
 
 /// Evidence of a collapse.
@@ -86,70 +95,42 @@ impl StageEnd {
     /// particles that are set aside; `None` if the stage has none of them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
-        let all = [
-            self.capped_warning(),
-            self.unbalanced_warning(),
-            self.passed_warning(),
-            self.missed_warning(),
-            self.aside_warning(),
-        ];
-        let all: Vec<_> = all.into_iter().flatten().collect();
-        (!all.is_empty()).then(|| all.join("; "))
-    }
-
-    fn passed_warning(&self) -> Option<String> {
-        let (Some(Stop::Until(name, value)), Some(passed)) = (&self.stop, self.passed) else {
-            return None;
-        };
-        Some(format!(
-            "stage {} ends at {} = {passed:?}, beyond {value:?}: it jumps there",
-            label(&self.stage),
-            label(name)
-        ))
-    }
-
-    fn missed_warning(&self) -> Option<String> {
-        let stop = self.stop.as_ref().filter(|_| self.ended_by == Some(EndedBy::AllIncrements))?;
+        let Self { rows, capped, unbalanced, .. } = self;
         let stage = label(&self.stage);
-        Some(format!(
-            "stage {stage} ended with the last of its increments and did not reach {stop:?}"
-        ))
-    }
-
-    fn aside_warning(&self) -> Option<String> {
-        let (what, their) = match self.set_aside {
-            0 => return None,
-            1 => ("1 particle that carries nothing is".to_owned(), "its"),
-            n => (format!("{n} particles that carry nothing are"), "their"),
-        };
-        let stage = label(&self.stage);
-        Some(format!(
-            "at the end of stage {stage} {what} set aside, without {their} weight: no motion brought \
-             {their} fall to rest"
-        ))
-    }
-
-    fn capped_warning(&self) -> Option<String> {
-        let Self { rows, capped, .. } = self;
-        let stage = label(&self.stage);
-        match *capped {
-            0 => None,
-            _ if capped == rows => {
-                Some(format!("all {rows} increments of stage {stage} are capped"))
-            }
-            _ => Some(format!("{capped} of {rows} increments of stage {stage} are capped")),
+        let mut all = Vec::new();
+        if *capped > 0 {
+            let share =
+                if capped == rows { format!("all {rows}") } else { format!("{capped} of {rows}") };
+            all.push(format!("{share} increments of stage {stage} are capped"));
         }
-    }
-
-    fn unbalanced_warning(&self) -> Option<String> {
-        let Self { rows, unbalanced, .. } = self;
-        let stage = label(&self.stage);
-        (*unbalanced > 0).then(|| {
-            format!(
+        if *unbalanced > 0 {
+            all.push(format!(
                 "{unbalanced} of {rows} increments of stage {stage} end out of balance, where contacts slide \
                  (`geometry` in `caps` of the history, by `imbalance_at_end`); smaller increments may help"
-            )
-        })
+            ));
+        }
+        if let (Some(Stop::Until(name, value)), Some(passed)) = (&self.stop, self.passed) {
+            let name = label(name);
+            all.push(format!(
+                "stage {stage} ends at {name} = {passed:?}, beyond {value:?}: it jumps there"
+            ));
+        }
+        if let (Some(stop), Some(EndedBy::AllIncrements)) = (&self.stop, self.ended_by) {
+            all.push(format!(
+                "stage {stage} ended with the last of its increments and did not reach {stop:?}"
+            ));
+        }
+        if self.set_aside > 0 {
+            let (what, their) = match self.set_aside {
+                1 => ("1 particle that carries nothing is".to_owned(), "its"),
+                n => (format!("{n} particles that carry nothing are"), "their"),
+            };
+            all.push(format!(
+                "at the end of stage {stage} {what} set aside, without {their} weight: no motion brought \
+                 {their} fall to rest"
+            ));
+        }
+        (!all.is_empty()).then(|| all.join("; "))
     }
 }
 
@@ -172,16 +153,7 @@ impl Script {
     /// Script of a scene before its first stage.
     #[must_use]
     pub fn new(scene: &Scene) -> Self {
-        Self {
-            scene: scene.clone(),
-            begun: false,
-            speed: None,
-            peak: 0.0,
-            collapse: None,
-            outcome: None,
-            ends: Vec::new(),
-            stop: false,
-        }
+        Self { scene: scene.clone(), state: ScriptState::default(), outcome: None, stop: false }
     }
 
     /// The stage at an index; `None` past the last one.
@@ -194,6 +166,20 @@ impl Script {
     #[must_use]
     pub fn reference_stage(&self) -> usize {
         self.scene.reference_stage()
+    }
+}
+
+impl Deref for Script {
+    type Target = ScriptState;
+
+    fn deref(&self) -> &ScriptState {
+        &self.state
+    }
+}
+
+impl DerefMut for Script {
+    fn deref_mut(&mut self) -> &mut ScriptState {
+        &mut self.state
     }
 }
 

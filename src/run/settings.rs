@@ -12,10 +12,6 @@ use super::laws::{bond_law, contact_law};
 use super::walls::WallCatalogue;
 use crate::scene::format as scene;
 
-/// The bond laws of the materials as the scene has them, with their scatter.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct BondsOfMaterials(pub Vec<Option<scene::Bond>>);
-
 /// Inserts the settings of a scene: all resources that no increment changes, and the analysis of
 /// stages that name none.
 pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) {
@@ -34,8 +30,6 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
             Box::new(Clarabel { tolerance, max_iterations, ..Clarabel::default() })
         }
     }));
-    let bonds = scene.materials.values().map(|material| material.bond);
-    world.insert_resource(BondsOfMaterials(bonds.collect()));
     world.insert_resource(Materials(
         scene
             .materials

@@ -1,7 +1,6 @@
 //! Radii of disks from a sieve curve.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
+use super::random::Random;
 
 /// Stream of the generator for the order of the radii, apart from that of the places.
 const ORDER: u64 = 1;
@@ -37,11 +36,10 @@ pub fn radii(passing: &[(f64, f64)], count: u32, seed: u64) -> Vec<f64> {
             0.5 * (square(d0) - part * (square(d0) - square(d1))).sqrt().recip()
         })
         .collect();
-    let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(ORDER);
+    let mut random = Random::stream(seed, ORDER);
     for k in (1..radii.len()).rev() {
         // The bias of the remainder is below 1e-12 for 5 million disks.
-        radii.swap(k, (random.next_u64() % (k as u64 + 1)) as usize);
+        radii.swap(k, (random.integer() % (k as u64 + 1)) as usize);
     }
     radii
 }

@@ -8,11 +8,16 @@ use clastic_components::body::{
     BodyAngularVelocity, BodyId, BodyOrigin, BodyPosition, BodyVelocity, Group, Probe,
 };
 use clastic_components::energy::EnergyLedger;
+use clastic_components::observation::{Measures, Observation};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::identities::{IdentityTable, NextIdentities};
+use clastic_systems::stepping::EndOfRun;
 
-use super::begin_script::begin_script;
+use super::cement::bond_pairs;
+use super::key_results::{KeyResults, count_bonds};
 use super::minerals::specimen;
+use super::sanity::Sanity;
+use super::script::Script;
 pub use super::settings::{analysis, insert_settings};
 use super::start;
 pub use super::walls::{WallCatalogue, find_wall, find_walls, spawn_wall};
@@ -74,4 +79,23 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
         world.insert_resource(EnergyLedger::default());
     }
     begin_script(world, scene);
+}
+
+/// Adds the bonds that the scene lists, and its stages, to a world that has its bodies.
+pub(super) fn begin_script(world: &mut World, scene: &scene::Scene) {
+    insert_script(world, scene);
+    bond_pairs(world, scene.bonds.iter().map(|bond| (bond.a, bond.b)));
+    // The stages read the record, also where another plugin writes it.
+    world.init_resource::<Observation>();
+    world.init_resource::<Measures>();
+    world.insert_resource(KeyResults::of_scene(scene));
+    count_bonds(world);
+    world.init_resource::<Sanity>();
+}
+
+/// Inserts the stages of a scene, before the first one.
+pub(super) fn insert_script(world: &mut World, scene: &scene::Scene) {
+    world.insert_resource(Script::new(scene));
+    // A collapse ends a stage, and an undecided increment the run.
+    world.insert_resource(EndOfRun::default());
 }

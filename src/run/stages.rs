@@ -3,20 +3,18 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Measures;
 use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::IncrementDue;
 
-use super::measures::MeasureKinds;
+use super::plugin::{BeginStage, EndStage, Provided};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
-use super::stage_kinds::{BeginStage, EndStage, StageKinds};
 use super::{
-    cement, compact, end_load, group_members, grow, kept_stress, key_results, load, load_refusals,
-    membranes, pour, remove, rigid, save, until,
+    cement, compact, group_members, grow, key_results, load, load_refusals, membranes, pour,
+    remove, save, until,
 };
-use crate::scene::format::{Load, Stage};
+use crate::scene::format::Stage;
 
 /// The stage that begins, runs or ends.
 #[derive(Resource, Clone, Debug)]
@@ -40,10 +38,10 @@ pub fn change_stages(world: &mut World) {
             break false;
         };
         // A stage is refused before it changes anything, so that a resumed run with a corrected
-        // stage begins it anew.
+        // stage begins it anew. It may lack a plugin in its middle too, in a resumed run.
         let begun = script.begun;
-        let why = lacks_plugin(world, &stage)
-            .or_else(|| if begun { None } else { refusal(world, &stage) });
+        let lacks = world.resource::<Provided>().refusal(&script.scene, &stage);
+        let why = lacks.or_else(|| if begun { None } else { refusal(world, &stage) });
         if let Some(why) = why {
             let stage = stage.name().to_owned();
             let message = format!("stage `{stage}` cannot begin: {why}");
@@ -62,19 +60,11 @@ pub fn change_stages(world: &mut World) {
     world.insert_resource(IncrementDue(due));
 }
 
-/// A kind of stage or of measure that no plugin provides. This may come in the middle of a stage,
-/// because a resumed run may lack the plugin.
-fn lacks_plugin(world: &World, stage: &Stage) -> Option<String> {
-    let kinds = world.resource::<StageKinds>();
-    let kind = if let Stage::Custom(custom) = stage { kinds.refusal(custom) } else { None };
-    kind.or_else(|| world.resource::<MeasureKinds>().refusal(&world.resource::<Script>().scene))
-}
-
 /// Why a stage cannot begin.
 fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
-        Stage::Load(load) => load_refusal(world, load),
-        Stage::Pour(pour) => load_refusal(world, &pour.load),
+        Stage::Load(load) => load_refusals::refusal(world, load),
+        Stage::Pour(pour) => load_refusals::refusal(world, &pour.load),
         Stage::Remove(stage) => remove::refusal(world, stage),
         Stage::Compact(stage) => {
             grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
@@ -85,28 +75,11 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     }
 }
 
-fn load_refusal(world: &mut World, load: &Load) -> Option<String> {
-    load_refusals::selects_nothing(world, load)
-        .or_else(|| load_refusals::releases_nothing(world, load))
-        .or_else(|| load_refusals::cuts_through(world, load))
-        .or_else(|| load_refusals::leaves_behind(world, load))
-        .or_else(|| load_refusals::meets_nothing(world, load))
-        .or_else(|| load_refusals::bonds_with_accuracy(world, load))
-        .or_else(|| kept_stress::refusal(world, load))
-        .or_else(|| rigid::refusal(world, load))
-        .or_else(|| membranes::refusal(world, load))
-}
-
 fn begin(world: &mut World, stage: Stage) {
-    let mut progress = world.resource_mut::<ClasticProgress>();
-    progress.stage_name = stage.name().to_owned();
-    progress.done = 0.0;
-    progress.total = 0.0;
-    progress.fraction = 1.0;
-    progress.tried = 1.0;
-    progress.relaxing = false;
-    progress.dense = false;
-    let index = progress.stage;
+    let &ClasticProgress { increment, stage: index, time, .. } = world.resource();
+    let stage_name = stage.name().to_owned();
+    let begun = ClasticProgress { increment, stage: index, time, stage_name, ..Default::default() };
+    world.insert_resource(begun);
     let mut script = world.resource_mut::<Script>();
     script.begun = true;
     script.ends.push(StageEnd { stage: stage.name().to_owned(), ..StageEnd::default() });
@@ -116,9 +89,6 @@ fn begin(world: &mut World, stage: Stage) {
     let is_reference = index == script.reference_stage();
     until::begin(world, &stage);
     world.remove_resource::<StepControl>();
-    if is_reference {
-        world.resource_mut::<Measures>().reference_stage = index;
-    }
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
     group_members::begin_stage(world);
@@ -168,7 +138,7 @@ pub(super) fn begin_built_in(world: &mut World) {
 pub(super) fn end_built_in(world: &mut World) {
     match world.resource::<CurrentStage>().0 {
         Stage::Compact(_) => compact::end(world),
-        Stage::Load(_) | Stage::Pour(_) => end_load::end(world),
+        Stage::Load(_) | Stage::Pour(_) => load::end(world),
         Stage::Cement(_) | Stage::Custom(_) | Stage::Save(_) | Stage::Remove(_) => {}
     }
 }

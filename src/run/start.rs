@@ -13,9 +13,9 @@ use clastic_systems::identities::IdentityTable;
 use clastic_systems::state::StateError;
 use clastic_systems::stepping::ClasticHalted;
 
-use super::begin_script::begin_script;
 use super::membranes;
 use super::settings::insert_settings;
+use super::spawn::begin_script;
 use super::wall_pieces::count;
 use super::walls::{WallCatalogue, spawn_wall};
 use crate::saved::SavedState;

@@ -1,14 +1,12 @@
 //! State of a scene in the state of a world: the progress of the run in its stages.
 
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyId, BodyOrigin, LoadControl};
+use clastic_components::body::{BodyId, LoadControl};
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::measure::NamedMeasures;
-use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::material_names::{MATERIALS, MaterialNames};
 use clastic_systems::measures::{NAMED, NamedState};
@@ -22,59 +20,36 @@ use clastic_systems::stepping::EndOfRun;
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::before::Before;
-use super::begin_script::insert_script;
 use super::resolve_measures::resolve_measures;
-use super::script::{Collapse, Outcome, Script, StageEnd};
+pub use super::script::ScriptState;
+use super::script::{Outcome, Script};
 use super::settings::insert_settings;
+use super::spawn::insert_script;
 use super::walls::WallCatalogue;
 use crate::scene::format::Scene;
-use crate::scene::{StoredParticle, StoredSpecimen, StoredState};
+use crate::scene::stored_state::rows;
+use crate::scene::{StoredSpecimen, StoredState};
 
 /// Name of [`ScriptState`] in a state.
 pub const SCRIPT: &str = "script";
 /// Name of the [`WallCatalogue`] in a state.
 pub const WALL_CATALOGUE: &str = "walls.catalogue";
 
-/// State of a [`Script`] apart from its scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct ScriptState {
-    /// Whether the stage has begun.
-    pub begun: bool,
-    /// Maximum speed after the last increment of the stage, m/s.
-    pub speed: Option<f64>,
-    /// Axial stress with the maximum magnitude in the stage so far, Pa.
-    pub peak: f64,
-    /// The first collapse.
-    pub collapse: Option<Collapse>,
-    /// Stages so far with their ends.
-    pub ends: Vec<StageEnd>,
-}
-
 impl StateOf for ScriptState {
     fn take(world: &mut World) -> Option<Self> {
         let script = world.get_resource::<Script>()?;
-        let mut ends = script.ends.clone();
+        let mut state = script.state.clone();
         // Nothing of an undecided increment was committed, so a resumed run tries it again.
-        if let Some(end) = ends.last_mut().filter(|_| undecided(script)) {
+        if let Some(end) = state.ends.last_mut().filter(|_| undecided(script)) {
             end.rows -= 1;
             end.ended_by = None;
         }
-        Some(Self {
-            begun: script.begun,
-            speed: script.speed,
-            peak: script.peak,
-            collapse: script.collapse.clone(),
-            ends,
-        })
+        Some(state)
     }
 
     fn put(self, world: &mut World) {
         let Some(mut script) = world.get_resource_mut::<Script>() else { return };
-        script.begun = self.begun;
-        script.speed = self.speed;
-        script.peak = self.peak;
-        script.collapse = self.collapse;
-        script.ends = self.ends;
+        script.state = self;
         // A state lies between two increments: a run that had ended goes on from there.
         script.outcome = None;
         let begun = script.begun;
@@ -176,23 +151,14 @@ impl StateView {
             None => Vec::new(),
         };
         let materials: MaterialNames = state.get(MATERIALS)?;
-        let particles = state.components::<BodyId, Particle>("particle")?;
-        let origins = state.components::<BodyId, BodyOrigin>("origin")?;
-        let indices = state.components::<BodyId, MaterialIndex>("material")?;
-        let origin = |id| origins.binary_search_by_key(&id, |(id, _)| *id).ok();
-        let rows = particles.iter().zip(&indices).filter_map(|((id, particle), (_, index))| {
-            let place = origins[origin(*id)?].1.0;
-            let material = materials.0.get(index.0 as usize).cloned();
-            Some(StoredParticle { x: place.x, y: place.y, r: particle.radius, material })
-        });
+        let names: Vec<&String> = materials.0.iter().collect();
+        let (rows, indices) = rows(state, "origin", &names)?;
         // Walls follow the particles that the run had at its start.
         let catalogue: WallCatalogue = state.get(WALL_CATALOGUE)?;
-        let last = particles.last().map_or(0, |(id, _)| id.0 + 1);
-        let first = catalogue.first;
         let taken = (catalogue.inherited.unwrap_or_default(), catalogue.membranes);
         let specimen = StoredSpecimen {
-            rows: rows.collect(),
-            indices: u64::from(first.max(last)),
+            rows,
+            indices: indices.max(catalogue.first.into()),
             groups: Vec::new(),
             state: Some(StoredState::of(state, taken, catalogue.rigid, None)?),
         };

@@ -1,4 +1,4 @@
-//! End of an increment: its status, and whether its stage continues.
+//! End of an increment: its status, and whether its stage and the run continue.
 
 use bevy_ecs::prelude::*;
 
@@ -11,14 +11,12 @@ use clastic_components::particle::SetAside;
 use clastic_components::poured::Poured;
 use clastic_systems::mechanism::proof;
 use clastic_systems::rupture::dense::is_unsettled;
+use clastic_systems::stepping::{EndOfRun, StoppedBy};
 
 use super::advice::with_advice;
-use super::end_load;
-use super::jam;
-use super::measure_error::error_of;
-use super::measures::reading;
+use super::measures::{error_of, reading};
 use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script};
-use super::until;
+use super::{jam, load, until};
 use crate::scene::format::{Stage, Stop};
 
 impl Collapse {
@@ -59,21 +57,17 @@ pub fn end_increment(world: &mut World) {
     let (mut held, mut passed) = (None, None);
     let ended_by = match status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
+            let relaxes = world.resource::<ClasticProgress>().relaxing;
+            let waits = relaxes || world.resource::<Observation>().in_avalanche;
             if !world.resource::<Observation>().in_avalanche {
-                let landing = until::reached(world, stage);
-                held = stopped(world, stage);
-                if let (None, Some(landing)) = (&held, landing) {
-                    (held, passed) = (Some(landing.stop), landing.passed);
+                let landed = until::reached(world, stage);
+                let found = stopped(world, stage).map(|stop| (stop, None)).or(landed);
+                // A stage ends only after its last avalanche.
+                if let Some((stop, beyond)) = found.filter(|_| !relaxes) {
+                    (held, passed) = (Some(stop), beyond);
                 }
             }
-            // A stage ends only after its last avalanche.
-            if world.resource::<ClasticProgress>().relaxing {
-                (held, passed) = (None, None);
-            }
-            let waits = world.resource::<ClasticProgress>().relaxing
-                || world.resource::<Observation>().in_avalanche;
-            let custom = world.resource::<Script>().stop && !waits;
-            let ends = held.is_some() || custom;
+            let ends = held.is_some() || (world.resource::<Script>().stop && !waits);
             if ends && is_unsettled(world.resource(), world.resource(), world.resource()) {
                 // The conditions are read again in the equilibrium at constant load.
                 world.resource_mut::<ClasticProgress>().relaxing = true;
@@ -107,13 +101,8 @@ pub fn end_increment(world: &mut World) {
         (end.ended_by, end.stop, end.passed) = (ended_by, held, passed);
     }
     if matches!(ended_by, Some(EndedBy::Stop | EndedBy::Collapse)) {
-        end_load::end_stage(world);
+        load::end_stage(world);
     }
-}
-
-/// The error of the axial stress that `acceptance.residual` allows, Pa.
-fn error_of_stress(world: &mut World) -> f64 {
-    error_of(world, "axial_stress")
 }
 
 /// The first stop condition of the stage that is met.
@@ -133,7 +122,7 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
         // A drop below the error of the stress may be caused by this error.
         Stop::StressDrop(fraction) => {
             stress.is_some_and(|s| peak > 0.0 && sign * s < fraction * peak)
-                && (1.0 - fraction) * peak > error_of_stress(world)
+                && (1.0 - fraction) * peak > error_of(world, "axial_stress")
         }
         // A body that starts to fall is slow as well. At rest the speed does not increase.
         Stop::Rest(speed) => maximum < speed && last.is_some_and(|last| maximum <= last),
@@ -150,4 +139,19 @@ fn stopped(world: &mut World, stage: &Stage) -> Option<Stop> {
             .is_some_and(|value| value >= limit || value >= limit - error_of(world, name)),
     });
     held.cloned()
+}
+
+/// Tells the engine that the run has ended, so that the app stops.
+pub(super) fn end_run(script: Res<Script>, mut end: ResMut<EndOfRun>) {
+    let Some(outcome) = &script.outcome else { return };
+    end.0 = Some(match outcome {
+        Outcome::Completed => (StoppedBy::Completed, "all stages of the scene have ended".into()),
+        Outcome::Collapsed(collapse) => (
+            StoppedBy::Collapsed,
+            format!("all stages have ended; `{}` collapsed: {}", collapse.stage, collapse.reason),
+        ),
+        Outcome::Undecided { message, .. } => (StoppedBy::Undecided, message.clone()),
+        Outcome::Halted(message) => (StoppedBy::Halted, message.clone()),
+        Outcome::Refused { message, .. } => (StoppedBy::Refused, message.clone()),
+    });
 }

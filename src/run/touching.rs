@@ -33,12 +33,9 @@ fn travel(wall: &scene::Wall, disks: &[(DVec2, f64)]) -> Option<DVec2> {
     let pieces = pieces(wall);
     let gap = |travel: f64| {
         let gaps = disks.iter().flat_map(|(place, radius)| {
-            pieces.iter().map(move |piece| {
-                let half = piece.wall.half_length;
-                let place = *place - travel * inward - piece.position;
-                let near = piece.shape.nearest(piece.wall.inward(), half, place);
-                (near.distance - radius, *radius)
-            })
+            pieces
+                .iter()
+                .map(move |piece| (piece.distance(*place - travel * inward) - radius, *radius))
         });
         gaps.min_by(|a, b| a.0.total_cmp(&b.0))
     };

@@ -15,8 +15,7 @@ use clastic_systems::state::{StateOf, WorldState};
 use clastic_systems::stepping::{ClasticHalted, IncrementDue, IncrementUndone};
 
 use super::landing::{Next, Point, RESOLUTION, Search, Side, Try};
-use super::measure_error::error_of;
-use super::measures::{kept, reading};
+use super::measures::{error_of, kept, reading};
 use super::script::Script;
 use super::state::{capture, rewind};
 use crate::scene::format::{Stage, Stop};
@@ -238,27 +237,18 @@ fn tried(world: &mut World, name: &str, value: f64, asked: f64) -> Option<Try> {
     Some(Try { end, side, is_cut: end[0] < asked - 0.1 * RESOLUTION, ruptures })
 }
 
-/// How a measure came to its value.
-pub(super) struct Landing {
-    /// The condition.
-    pub stop: Stop,
-    /// The measure, if it has passed the value by more than the tolerance: it jumps there.
-    pub passed: Option<f64>,
-}
-
-/// Whether the measure has reached the value of the `Until` of the stage.
-pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<Landing> {
+/// The `Until` of the stage, if its measure has reached the value; and the measure, if it has passed
+/// the value by more than the tolerance: it jumps there.
+pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<(Stop, Option<f64>)> {
     let (name, value) = until(stage)?;
     let now = reading(world, name)?;
     let error = error_of(world, name);
     let done = world.resource::<ClasticProgress>().done;
     let mut approach = world.resource_mut::<Approach>();
     let tolerance = approach.see(done, now, value, error);
-    if approach.side != 0.0 && approach.side * (value - now) <= tolerance {
-        let passed = (approach.side * (now - value) > tolerance).then_some(now);
-        return Some(Landing { stop: Stop::Until(name.to_owned(), value), passed });
-    }
-    None
+    let beyond = approach.side * (now - value);
+    (approach.side != 0.0 && beyond >= -tolerance)
+        .then(|| (Stop::Until(name.to_owned(), value), (beyond > tolerance).then_some(now)))
 }
 
 /// The condition of a stage that has ended with the last of its increments: its `Until` if it has

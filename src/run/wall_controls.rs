@@ -12,12 +12,12 @@ use clastic_components::wall::{
 use clastic_systems::control_walls::loaded_length;
 use clastic_systems::measures::stress::as_it_carried;
 
-use super::walls::find_wall;
-use crate::scene::format as scene;
+use super::walls::length_between;
+use crate::scene::format::{LidLoad, Load, Table, WallControl as Wanted};
 
 /// Sets the controls of all walls for a loading stage. A load starts from the last load of the
 /// wall, or from the reaction of a wall that was held or driven.
-pub(super) fn set(world: &mut World, stage: &scene::Load) {
+pub(super) fn set(world: &mut World, stage: &Load) {
     let mut query = world.query_filtered::<(Entity, &BodyId, &WallName), With<Wall>>();
     let mut walls: Vec<_> =
         query.iter(world).map(|(e, id, name)| (*id, e, name.0.clone())).collect();
@@ -42,7 +42,8 @@ pub(super) fn set(world: &mut World, stage: &scene::Load) {
             };
             WallControl::Stress { from, to, length }
         };
-        let control = match stage.walls.get(&name) {
+        let wanted = stage.walls.get(&name);
+        let control = match wanted {
             None => match before {
                 WallControl::Force { to, .. } => WallControl::Force { from: to, to },
                 WallControl::Stress { to, length, .. } => {
@@ -51,74 +52,69 @@ pub(super) fn set(world: &mut World, stage: &scene::Load) {
                 WallControl::Custom => WallControl::Custom,
                 _ => WallControl::Fixed,
             },
-            Some(scene::WallControl::Fixed) => WallControl::Fixed,
-            Some(scene::WallControl::Displacement(x, y)) => {
-                WallControl::Displacement(DVec2::new(*x, *y))
-            }
-            Some(scene::WallControl::Velocity(x, y)) => WallControl::Velocity(DVec2::new(*x, *y)),
-            Some(scene::WallControl::Rotation { about, angle }) => {
-                WallControl::Rotation { about: (*about).into(), angle: *angle }
-            }
-            Some(scene::WallControl::Spin { about, angular_velocity }) => {
-                WallControl::Spin { about: (*about).into(), rate: *angular_velocity }
-            }
-            Some(scene::WallControl::Force(to)) => force(*to),
-            Some(scene::WallControl::Stress { stress: to, .. }) => stress(*to),
-            Some(scene::WallControl::Lid { load: scene::LidLoad::Force(to), .. }) => force(*to),
-            Some(scene::WallControl::Lid {
-                load: scene::LidLoad::Stress { stress: to, .. },
-                ..
-            }) => stress(*to),
-            Some(scene::WallControl::Follow(table)) => WallControl::Table(match table {
-                scene::Table::Displacement(_) => TableOf::Displacement,
-                scene::Table::Force(_) => TableOf::Force,
-                scene::Table::Rotation { about, .. } => TableOf::Rotation((*about).into()),
-                scene::Table::Stress { .. } => TableOf::Stress(length),
+            Some(Wanted::Force(to) | Wanted::Lid { load: LidLoad::Force(to), .. }) => force(*to),
+            Some(
+                Wanted::Stress { stress: to, .. }
+                | Wanted::Lid { load: LidLoad::Stress { stress: to, .. }, .. },
+            ) => stress(*to),
+            Some(Wanted::Follow(table)) => WallControl::Table(match table {
+                Table::Displacement(_) => TableOf::Displacement,
+                Table::Force(_) => TableOf::Force,
+                Table::Rotation { about, .. } => TableOf::Rotation((*about).into()),
+                Table::Stress { .. } => TableOf::Stress(length),
             }),
-            Some(scene::WallControl::Custom) => WallControl::Custom,
+            Some(Wanted::Custom) => WallControl::Custom,
+            Some(other) => motion(other).unwrap_or(WallControl::Fixed),
         };
         let mut entity = world.entity_mut(wall);
         entity.insert(control);
-        match stage.walls.get(&name) {
-            Some(scene::WallControl::Lid { slide, .. }) => {
-                entity.insert(*slide);
-            }
-            Some(scene::WallControl::Follow(table)) => {
-                entity.insert(points(table));
-                if let scene::Table::Rotation { .. } = table {
-                    entity.entry::<WallRotation>().or_default();
-                }
-            }
-            Some(scene::WallControl::Rotation { .. } | scene::WallControl::Spin { .. }) => {
-                entity.entry::<WallRotation>().or_default();
-            }
+        match wanted {
+            Some(Wanted::Lid { slide, .. }) => _ = entity.insert(*slide),
+            Some(Wanted::Follow(table)) => _ = entity.insert(points(table)),
             _ => {}
+        }
+        if let WallControl::Rotation { .. }
+        | WallControl::Spin { .. }
+        | WallControl::Table(TableOf::Rotation(_)) = control
+        {
+            entity.entry::<WallRotation>().or_default();
         }
     }
 }
 
-fn points(table: &scene::Table) -> WallTable {
+/// Control of a wall with imposed motion; `None` for other controls.
+pub(super) fn motion(control: &Wanted) -> Option<WallControl> {
+    match *control {
+        Wanted::Displacement(x, y) => Some(WallControl::Displacement(DVec2::new(x, y))),
+        Wanted::Velocity(x, y) => Some(WallControl::Velocity(DVec2::new(x, y))),
+        Wanted::Rotation { about, angle } => {
+            Some(WallControl::Rotation { about: about.into(), angle })
+        }
+        Wanted::Spin { about, angular_velocity } => {
+            Some(WallControl::Spin { about: about.into(), rate: angular_velocity })
+        }
+        Wanted::Fixed | Wanted::Custom | Wanted::Force(_) | Wanted::Stress { .. } => None,
+        Wanted::Lid { .. } | Wanted::Follow(_) => None,
+    }
+}
+
+fn points(table: &Table) -> WallTable {
     WallTable(match table {
-        scene::Table::Displacement(list) => list.iter().map(|(s, x, y)| [*s, *x, *y]).collect(),
-        scene::Table::Force(list)
-        | scene::Table::Stress { stress: list, .. }
-        | scene::Table::Rotation { angle: list, .. } => {
+        Table::Displacement(list) => list.iter().map(|(s, x, y)| [*s, *x, *y]).collect(),
+        Table::Force(list)
+        | Table::Stress { stress: list, .. }
+        | Table::Rotation { angle: list, .. } => {
             list.iter().map(|(s, value)| [*s, *value, 0.0]).collect()
         }
     })
 }
 
 /// Length that a stress control acts on, in m, times the thickness.
-fn stress_length(
-    world: &mut World,
-    wall: Entity,
-    control: Option<&scene::WallControl>,
-) -> (LoadedLength, f64) {
-    let Some(between) = control.and_then(scene::WallControl::loaded_between) else {
+fn stress_length(world: &mut World, wall: Entity, control: Option<&Wanted>) -> (LoadedLength, f64) {
+    let Some(between) = control.and_then(Wanted::loaded_between) else {
         return (LoadedLength::Segment, 1.0);
     };
-    let between = between.and_then(|(a, b)| Some((find_wall(world, a)?, find_wall(world, b)?)));
-    let length = between.map_or(LoadedLength::Segment, |(a, b)| LoadedLength::Between(a, b));
+    let length = length_between(world, between);
     let measure =
         move |geometry: Query<(&Wall, &BodyPosition)>| loaded_length(wall, length, &geometry);
     let metres = world.run_system_once(measure).unwrap_or(1.0);

@@ -19,6 +19,14 @@ pub struct Piece {
     pub shape: WallShape,
 }
 
+impl Piece {
+    /// Distance of a place from the piece, m; negative behind a line.
+    pub fn distance(&self, place: DVec2) -> f64 {
+        let Self { position, wall, shape } = self;
+        shape.nearest(wall.inward(), wall.half_length, place - *position).distance
+    }
+}
+
 /// Number of pieces of a wall. Each is a body with an identity of its own.
 pub fn count(wall: &scene::Wall) -> u32 {
     match &wall.shape {
@@ -52,12 +60,7 @@ pub const CUT: f64 = 0.5;
 /// One that is yet to come at the outermost particles cuts through none.
 pub fn is_cut(wall: &scene::Wall, place: DVec2, radius: f64) -> bool {
     wall.is_placed()
-        && pieces(wall).iter().any(|piece| {
-            let Wall { half_length, .. } = piece.wall;
-            let near =
-                piece.shape.nearest(piece.wall.inward(), half_length, place - piece.position);
-            (0.0..CUT * radius).contains(&near.distance)
-        })
+        && pieces(wall).iter().any(|piece| (0.0..CUT * radius).contains(&piece.distance(place)))
 }
 
 /// The wall with all its points moved, from a place to another, and turned about it. `by` is the

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{BodyId, BodyOrigin, BodyPosition, Probe};
-use clastic_components::wall::WallName;
+use clastic_components::wall::{LoadedLength, WallName};
 use clastic_components::wall_shape::WallShape;
 
 use super::laws::contact_law;
@@ -91,4 +91,15 @@ pub fn find_walls(world: &mut World, name: &str) -> Vec<Entity> {
     let mut found: Vec<_> = named.map(|(e, id, _)| (*id, e)).collect();
     found.sort_unstable_by_key(|(id, _)| *id);
     found.into_iter().map(|(_, e)| e).collect()
+}
+
+/// Two walls by name, if both are there.
+pub fn find_pair(world: &mut World, a: &str, b: &str) -> Option<[Entity; 2]> {
+    Some([find_wall(world, a)?, find_wall(world, b)?])
+}
+
+/// The length on which a stress acts: the distance of two walls, if they are named and there.
+pub fn length_between(world: &mut World, between: Option<&(String, String)>) -> LoadedLength {
+    let pair = between.and_then(|(a, b)| find_pair(world, a, b));
+    pair.map_or(LoadedLength::Segment, |[a, b]| LoadedLength::Between(a, b))
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, BodyPosition, Group, Probe};
+use clastic_components::body::{BodyId, Group, Probe};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::PERIODIC_CELL;
@@ -33,24 +33,32 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
 }
 
 fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
-    let world = &saved.world;
-    let particles = world.components::<BodyId, Particle>("particle")?;
-    let places = world.components::<BodyId, BodyPosition>("position")?;
-    let materials = world.components::<BodyId, MaterialIndex>("material")?;
-    let rows = particles.iter().zip(&materials).filter_map(|((id, particle), (_, index))| {
-        let at = places.binary_search_by_key(id, |(id, _)| *id).ok()?;
-        let DVec2 { x, y } = places[at].1.0;
-        let material = saved.materials.get(index.0 as usize).map(|(name, _)| name.clone());
-        Some(StoredParticle { x, y, r: particle.radius, material })
-    });
-    let rows = rows.collect();
-    let indices = particles.last().map_or(0, |(id, _)| u64::from(id.0) + 1);
+    let names: Vec<&String> = saved.materials.iter().map(|(name, _)| name).collect();
+    let (rows, indices) = rows(&saved.world, "position", &names)?;
     let (walls, membranes) = (saved.walls_now()?, saved.membranes()?);
     let rigid = saved.rigid_groups()?;
     let saved = Arc::new(saved);
     let taken = (walls, membranes);
     let state = StoredState::of(&saved.world, taken, rigid, Some(Arc::clone(&saved)))?;
     Ok(StoredSpecimen { rows, indices, groups: Vec::new(), state: Some(state) })
+}
+
+/// The particles of a world's state at the places of an entry, and the number of their indices.
+pub(crate) fn rows(
+    world: &WorldState,
+    entry: &str,
+    materials: &[&String],
+) -> Result<(Vec<StoredParticle>, u64), StateError> {
+    let particles = world.components::<BodyId, Particle>("particle")?;
+    let places = world.components::<BodyId, DVec2>(entry)?;
+    let indices = world.components::<BodyId, MaterialIndex>("material")?;
+    let rows = particles.iter().zip(&indices).filter_map(|((id, particle), (_, index))| {
+        let at = places.binary_search_by_key(id, |(id, _)| *id).ok()?;
+        let DVec2 { x, y } = places[at].1;
+        let material = materials.get(index.0 as usize).map(|name| (*name).clone());
+        Some(StoredParticle { x, y, r: particle.radius, material })
+    });
+    Ok((rows.collect(), particles.last().map_or(0, |(id, _)| u64::from(id.0) + 1)))
 }
 
 impl StoredState {

@@ -3,9 +3,8 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::bond::RuptureMode;
 use clastic_components::contact::BodyTable;
-use clastic_components::measure::{CrackPart, CrackSum, CrackSums};
+use clastic_components::measure::{CrackPart, CrackSum, CrackSums, Modes};
 use clastic_components::observation::Observation;
 
 use super::principal::axis;
@@ -32,15 +31,12 @@ pub fn follow_cracks(
 
 /// A reading of the sums; directions are not defined without cracks.
 #[must_use]
-pub fn read(sums: &CrackSums, mode: Option<RuptureMode>, part: CrackPart) -> Option<f64> {
-    let all = |a: CrackSum, b: &CrackSum| CrackSum {
+pub fn read(sums: &CrackSums, modes: Modes, part: CrackPart) -> Option<f64> {
+    let all = |a: CrackSum, b: CrackSum| CrackSum {
         length: a.length + b.length,
         doubled: a.doubled + b.doubled,
     };
-    let sum = match mode {
-        Some(mode) => sums.0[mode as usize],
-        None => sums.0.iter().fold(CrackSum::default(), all),
-    };
+    let sum = sums.0[modes.places()].iter().copied().reduce(all).unwrap_or_default();
     let alignment = (sum.length > 0.0).then(|| sum.doubled.length() / sum.length);
     match part {
         CrackPart::Length => Some(sum.length),

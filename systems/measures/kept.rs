@@ -43,7 +43,7 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::Membrane { .. }
         | Quantity::Grains { .. }
         | Quantity::Ring { .. }
-        | Quantity::Poured { .. } => {
+        | Quantity::Poured(_) => {
             let _ = world.run_system_cached(gather_bodies);
             world.run_system_cached_with(read_place, asked).ok().flatten()
         }
@@ -52,7 +52,8 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
             Some(kinetic_energy(moving.iter(world)))
         }
         Quantity::Coordination { .. }
-        | Quantity::Broken { .. }
+        | Quantity::Broken(_)
+        | Quantity::BrokenShare(_)
         | Quantity::VolumetricStrain
         | Quantity::DilationAngle { .. }
         | Quantity::Fabric { .. }
@@ -155,9 +156,9 @@ fn read_force(
 ) -> Option<f64> {
     match &quantity {
         Quantity::Stress(measure) => tables.stress_now(measure),
-        Quantity::GroupForce { members, component } => {
+        Quantity::GroupForce { select: members, along, .. } => {
             groups::force_on(members, &bodies, &contacts, &program, &solution)
-                .map(|force| force[*component])
+                .map(|force| force[*along as usize])
         }
         _ => None,
     }

@@ -19,13 +19,12 @@ use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyExternalForce, LastMotion};
-use clastic_components::bond::RuptureMode;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Corrections;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::measure::{
-    CrackSums, ForceComponent, GrainAmount, MembraneValue, NamedMeasures, Quantity, Readings,
-    StrainPath,
+    CrackSums, ForceComponent, GrainAmount, MembraneValue, Modes, NamedMeasures, Quantity,
+    Readings, StrainPath,
 };
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
@@ -143,8 +142,8 @@ pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResM
     }
     let read = |quantity: &Option<Quantity>| match quantity {
         Some(Quantity::Stress(measure)) => tables.stress(measure),
-        Some(Quantity::GroupForce { members, component }) => {
-            tables.force_on(members).map(|force| force[*component])
+        Some(Quantity::GroupForce { select: members, along, .. }) => {
+            tables.force_on(members).map(|force| force[*along as usize])
         }
         _ => None,
     };
@@ -194,7 +193,7 @@ impl EndTables<'_, '_> {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
                     MeasureArea::Cell => self.bodies.cell?.area(),
-                    MeasureArea::Box([a, b, c, d]) => {
+                    MeasureArea::Box((a, b), (c, d)) => {
                         self.strains.between(*a, *b)? * self.strains.between(*c, *d)?
                     }
                     MeasureArea::Membrane(membrane) => {
@@ -205,12 +204,10 @@ impl EndTables<'_, '_> {
                 Some(1.0 - disks / area)
             }
             Quantity::Coordination { rattlers } => self.coordination(*rattlers),
-            Quantity::Broken { mode, share } => {
-                let broken = |mode: RuptureMode| self.observation.broken[mode as usize];
-                let all: usize = self.observation.broken.iter().sum();
-                let count = mode.map_or(all, broken) as f64;
-                let bonds = (all + self.observation.bonds) as f64;
-                if *share { (bonds > 0.0).then(|| count / bonds) } else { Some(count) }
+            Quantity::Broken(modes) => Some(self.broken(*modes) as f64),
+            Quantity::BrokenShare(modes) => {
+                let bonds = self.broken(Modes::All) + self.observation.bonds;
+                (bonds > 0).then(|| self.broken(*modes) as f64 / bonds as f64)
             }
             Quantity::VolumetricStrain => self.observation.volumetric_strain,
             Quantity::DilationAngle { over } => {
@@ -223,7 +220,7 @@ impl EndTables<'_, '_> {
                 self.carries().then(fabric).flatten()
             }
             Quantity::Fragments(part) => fragments::read(&self.bodies, *part),
-            Quantity::Cracks { mode, part } => cracks::read(self.cracks.as_ref()?, *mode, *part),
+            Quantity::Cracks { part, mode } => cracks::read(self.cracks.as_ref()?, *mode, *part),
             Quantity::KineticEnergy => Some(self.observation.kinetic_energy),
             Quantity::ElasticEnergy => elastic(),
             Quantity::KineticOverElastic => {
@@ -251,11 +248,15 @@ impl EndTables<'_, '_> {
                     MembraneValue::OuterWidth => shape.outer_width(),
                 }
             }
-            Quantity::Poured { mass } => {
+            Quantity::Poured(amount) => {
                 let poured = self.poured.as_ref().map_or((0.0, 0.0), |p| (p.number as f64, p.mass));
-                Some(if *mass { poured.1 } else { poured.0 })
+                Some(if *amount == GrainAmount::Mass { poured.1 } else { poured.0 })
             }
             Quantity::Grains { amount, min, max, moved } => {
+                let corner = |corner: Option<(f64, f64)>, none| {
+                    corner.map_or(DVec2::splat(none), DVec2::from)
+                };
+                let (min, max) = (corner(*min, f64::NEG_INFINITY), corner(*max, f64::INFINITY));
                 let mut mass = 0.0;
                 let (mut number, mut counted) = (0.0, 0.0);
                 for (i, of_grain) in
@@ -264,7 +265,7 @@ impl EndTables<'_, '_> {
                     let x = self.bodies.positions[i];
                     mass += of_grain;
                     if min.cmple(x).all()
-                        && x.cmple(*max).all()
+                        && x.cmple(max).all()
                         && (*moved == 0.0 || self.strains.motion(self.bodies.ids[i], x)? >= *moved)
                     {
                         number += 1.0;
@@ -278,13 +279,18 @@ impl EndTables<'_, '_> {
                 })
             }
             Quantity::Ring { centre, radii, value } => {
-                let ring = (*centre, *radii, self.analysis.thickness);
+                let ring = ((*centre).into(), *radii, self.analysis.thickness);
                 ring::read(&self.particles, self.strains.starts()?, ring, *value)
             }
             Quantity::Gravity => Some(self.analysis.gravity.length()),
             Quantity::StrengthFactor => Some(self.analysis.strength),
             Quantity::Time => Some(self.observation.time),
         }
+    }
+
+    /// Number of bonds that broke so far.
+    fn broken(&self, modes: Modes) -> usize {
+        self.observation.broken[modes.places()].iter().sum()
     }
 
     /// Porosity of the outer area of a membrane. Disks that have left the specimen do not count.

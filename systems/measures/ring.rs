@@ -23,7 +23,7 @@ pub(super) type Particles<'w, 's> = Query<
 pub(super) fn read(
     particles: &Particles,
     start: &[(BodyId, DVec2)],
-    (centre, [inner, outer], thickness): (DVec2, [f64; 2], f64),
+    (centre, (inner, outer), thickness): (DVec2, (f64, f64), f64),
     value: RingValue,
 ) -> Option<f64> {
     let in_ring = particles.iter().filter_map(|(id, x, force)| {

@@ -87,6 +87,7 @@ impl StrainTables<'_, '_> {
                 _ => (then - now) / then,
             });
         };
+        let (min, max) = (DVec2::from(min), DVec2::from(max));
         let start = self.start.as_ref()?;
         let now = self.places();
         let inside = |x: DVec2| x.cmpge(min).all() && x.cmple(max).all();

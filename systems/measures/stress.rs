@@ -189,7 +189,7 @@ impl StressTables<'_, '_> {
                 let area = match area {
                     MeasureArea::Fixed(area) => *area,
                     MeasureArea::Cell => self.bodies.cell?.area(),
-                    MeasureArea::Box([a, b, c, d]) => {
+                    MeasureArea::Box((a, b), (c, d)) => {
                         self.distance(*a, *b)? * self.distance(*c, *d)?
                     }
                     MeasureArea::Membrane(membrane) => {
@@ -209,10 +209,11 @@ impl StressTables<'_, '_> {
                 Some(component(stress, *of))
             }
             StressMeasure::Region { component: of, min, max } => {
-                let inside = |contact: &Contact| part_inside(&self.bodies, contact, *min, *max);
+                let (min, max) = (DVec2::from(*min), DVec2::from(*max));
+                let inside = |contact: &Contact| part_inside(&self.bodies, contact, min, max);
                 let sum =
                     moments(&self.bodies, &self.contacts, &self.program, &self.solution, inside);
-                let volume = (*max - *min).element_product() * thickness;
+                let volume = (max - min).element_product() * thickness;
                 Some(component(sum.map(|row| row.map(|s| s / volume)), *of))
             }
             StressMeasure::Membrane(membrane) => Some(self.membranes.get(*membrane).ok()?.pressure),
@@ -298,7 +299,7 @@ pub fn stress_error(
         StressMeasure::Average { area, .. } => {
             let area = match area {
                 MeasureArea::Fixed(area) => *area,
-                MeasureArea::Box([a, b, c, d]) => distance(*a, *b) * distance(*c, *d),
+                MeasureArea::Box((a, b), (c, d)) => distance(*a, *b) * distance(*c, *d),
                 MeasureArea::Membrane(membrane) => {
                     shape(*membrane).and_then(MembraneShape::area).unwrap_or(f64::NAN)
                 }
@@ -308,11 +309,12 @@ pub fn stress_error(
             (errors.map(error).sum(), area)
         }
         StressMeasure::Region { min, max, .. } => {
+            let (min, max) = (DVec2::from(*min), DVec2::from(*max));
             let error = |(contact, error): (&Contact, f64)| {
-                let inside = part_inside(&bodies, contact, *min, *max);
+                let inside = part_inside(&bodies, contact, min, max);
                 error * inside * branch(&bodies, contact).abs()
             };
-            (errors.map(error).sum(), (*max - *min).element_product())
+            (errors.map(error).sum(), (max - min).element_product())
         }
         // The pressure is imposed, so that it has no error.
         StressMeasure::Membrane(_) => return 0.0,

@@ -7,8 +7,7 @@ use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
 
 use super::results::{BrokenBonds, Results};
-use super::stiffness;
-use crate::scene::format::{Scene, Specimen};
+use crate::scene::format::{Contact, Scene, Specimen};
 
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -22,7 +21,7 @@ pub enum Phase {
 }
 
 /// Collects the key results increment by increment.
-#[derive(Resource, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KeyResults {
     pub(super) rigid: bool,
     /// Stress that the stiffest contact would have at a strain of 1, Pa.
@@ -73,43 +72,47 @@ pub(super) struct Point {
 }
 
 /// A start without stress.
-const FREE: Point = Point {
-    strain: 0.0,
-    stress: 0.0,
-    solved: true,
-    kinetic: 0.0,
-    lateral_strain: None,
-    volume: None,
-    lateral_stress: None,
-    broken: 0,
-};
+impl Default for Point {
+    fn default() -> Self {
+        Self {
+            strain: 0.0,
+            stress: 0.0,
+            solved: true,
+            kinetic: 0.0,
+            lateral_strain: None,
+            volume: None,
+            lateral_stress: None,
+            broken: 0,
+        }
+    }
+}
+
+/// Normal, tangential and rolling stiffness of each contact and bond of a scene.
+fn stiffnesses(scene: &Scene) -> impl Iterator<Item = [Option<f64>; 3]> + Clone {
+    let of_walls = scene.walls.iter().map(|wall| (wall.contact, wall.bond));
+    let of_materials = scene.materials.values().map(|material| (material.contact, material.bond));
+    of_walls.chain(of_materials).flat_map(|(contact, bond)| {
+        let of_bond =
+            bond.map(|b| [b.normal_stiffness, b.tangential_stiffness, b.rolling_stiffness]);
+        let Contact { normal_stiffness, tangential_stiffness, rolling_stiffness, .. } = contact;
+        of_bond.into_iter().chain([[normal_stiffness, tangential_stiffness, rolling_stiffness]])
+    })
+}
 
 impl KeyResults {
     /// Results before the run of a scene.
     pub fn of_scene(scene: &Scene) -> Self {
-        let stiffness = stiffness::maximum(scene) / scene.thickness;
+        let all = stiffnesses(scene);
+        let stiffest = all.clone().filter_map(|[normal, ..]| normal).fold(0.0, f64::max);
+        let is_rigid = all.flatten().all(|stiffness| stiffness.is_none());
         let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });
-        let results = Self::new(stiffness::is_rigid(scene)).with_stiffness(stiffness);
+        let results = Self::new(is_rigid).with_stiffness(stiffest / scene.thickness);
         Self { is_start_unknown, ..results }
     }
 
     /// Results before the run. `rigid` means that nothing in the specimen is elastic.
     pub fn new(rigid: bool) -> Self {
-        Self {
-            rigid,
-            stiffness: 0.0,
-            lag: None,
-            start: FREE,
-            is_start_unknown: false,
-            last: None,
-            curve: Vec::new(),
-            peak: None,
-            seen: (0, false),
-            collapse: None,
-            crack: None,
-            kinetic: 0.0,
-            results: Results::default(),
-        }
+        Self { rigid, ..Self::default() }
     }
 
     /// Sets the stiffness of the stiffest contact over the thickness, Pa. Stresses that are small
@@ -140,7 +143,8 @@ impl KeyResults {
     /// the number of bonds that broke before. A start that is known stays.
     pub fn start_from(&mut self, axial: f64, lateral: Option<f64>, broken: usize) {
         if self.is_start_unknown {
-            self.start = Point { stress: axial, lateral_stress: lateral, broken, ..FREE };
+            self.start =
+                Point { stress: axial, lateral_stress: lateral, broken, ..Point::default() };
             self.is_start_unknown = false;
         }
     }
@@ -174,7 +178,7 @@ impl KeyResults {
             worst.complementarity.see(r.complementarity, o.increment);
         }
         if phase == Phase::Preparation {
-            self.start = FREE;
+            self.start = Point::default();
             self.is_start_unknown = false;
             return false;
         }

@@ -3,13 +3,25 @@
 use std::collections::BTreeMap;
 
 use super::collected::{KeyResults, Point};
-use super::reasons::{CAPPED_BEFORE, INERTIA, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
 use super::results::Results;
 
 /// Stresses below this fraction of the stress that the stiffness of the grains alone would give at
 /// this strain count as round-off. Loose packings have a thousandth of that stress.
 const SOFTEST: f64 = 1e-9;
 
+/// Changes of stress below this fraction of the maximum stress count as round-off.
+pub(super) const RESOLVED: f64 = 1e-6;
+
+// Reasons why a result is not defined.
+pub(super) const NO_HALF: &str = "no increment comes to half the peak";
+pub(super) const NO_GAIN: &str =
+    "the strain does not change where the stress gains a thousandth of the peak";
+/// Reason why a rigid specimen has no modulus.
+pub const RIGID: &str = "nothing is elastic";
+pub(super) const CAPPED_BEFORE: &str = "an increment that it would come from is capped";
+const INERTIA: &str = "inertia carries a part of the load there: the kinetic energy is above a hundredth \
+                       of the work; load more slowly, or in a static stage";
+pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes during the test";
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
                         an axial stress";
 const UNKNOWN_START: &str = "the run starts from a saved state with other walls than its own or without a measured stress, \
@@ -23,38 +35,27 @@ impl KeyResults {
         let mut defined = |name: &str, value: Result<f64, &str>| {
             value.map_err(|reason| reasons.insert(name.to_owned(), reason.to_owned())).ok()
         };
-        let before = &self.results;
-        let peak = self.peak();
-        let mut results = Results {
-            youngs_modulus_pa: defined("youngs_modulus_pa", peak.and_then(|p| self.tangent(p))),
-            youngs_modulus_secant_half_peak_pa: defined(
-                "youngs_modulus_secant_half_peak_pa",
-                peak.and_then(|p| self.secant(p)),
-            ),
-            poissons_ratio: defined("poissons_ratio", peak.and_then(|p| self.poissons_ratio(p))),
-            peak_stress_pa: defined("peak_stress_pa", peak),
-            strain_at_peak: defined(
-                "strain_at_peak",
-                peak.and_then(|_| before.strain_at_peak.ok_or(NO_CURVE)),
-            ),
-            strength_pa: defined("strength_pa", self.strength().map(|(_, peak)| peak.stress)),
-            residual_strength_pa: defined("residual_strength_pa", self.residual_strength()),
-            friction_angle_rad: defined("friction_angle_rad", self.friction_angle()),
-            limit_load_pa: defined("limit_load_pa", self.limit_load(peak)),
-            first_crack_stress_pa: defined("first_crack_stress_pa", self.first_crack()),
-            crack_initiation_stress_pa: defined(
-                "crack_initiation_stress_pa",
-                self.crack_initiation(),
-            ),
-            crack_damage_stress_pa: defined("crack_damage_stress_pa", self.crack_damage()),
-            porosity: defined(
-                "porosity",
-                before
-                    .porosity
-                    .ok_or("the reference stage made no increment, or no specimen is there"),
-            ),
-            ..before.clone()
-        };
+        let (mut results, peak) = (self.results.clone(), self.peak());
+        results.youngs_modulus_pa =
+            defined("youngs_modulus_pa", peak.and_then(|peak| self.tangent(peak)));
+        let secant = peak.and_then(|peak| self.secant(peak));
+        results.youngs_modulus_secant_half_peak_pa =
+            defined("youngs_modulus_secant_half_peak_pa", secant);
+        results.poissons_ratio =
+            defined("poissons_ratio", peak.and_then(|peak| self.poissons_ratio(peak)));
+        results.peak_stress_pa = defined("peak_stress_pa", peak);
+        let strain = peak.and_then(|_| results.strain_at_peak.ok_or(NO_CURVE));
+        results.strain_at_peak = defined("strain_at_peak", strain);
+        results.strength_pa = defined("strength_pa", self.strength().map(|(_, peak)| peak.stress));
+        results.residual_strength_pa = defined("residual_strength_pa", self.residual_strength());
+        results.friction_angle_rad = defined("friction_angle_rad", self.friction_angle());
+        results.limit_load_pa = defined("limit_load_pa", self.limit_load(peak));
+        results.first_crack_stress_pa = defined("first_crack_stress_pa", self.first_crack());
+        results.crack_initiation_stress_pa =
+            defined("crack_initiation_stress_pa", self.crack_initiation());
+        results.crack_damage_stress_pa = defined("crack_damage_stress_pa", self.crack_damage());
+        let without = "the reference stage made no increment, or no specimen is there";
+        results.porosity = defined("porosity", results.porosity.ok_or(without));
         if results.mechanism.is_none() {
             let reason = "no mechanism proves a collapse";
             reasons.insert("mechanism".to_owned(), reason.to_owned());
@@ -91,12 +92,10 @@ impl KeyResults {
         if !solved {
             return Err(CAPPED_BEFORE);
         }
-        if moves(&before, &here) || moves(&here, &before) {
+        if moves(&here, &before) {
             return Err(INERTIA);
         }
-        if !self.lateral_stays_to(&here) {
-            return Err(LATERAL_CHANGES);
-        }
+        self.is_elastic(&before, &here)?;
         positive((here.stress - before.stress) / (here.strain - before.strain))
     }
 
@@ -131,14 +130,17 @@ impl KeyResults {
             return Err(RIGID);
         }
         let (before, here, part) = self.half_way(peak).ok_or(NO_HALF)?;
-        if moves(&self.start, &here) {
-            return Err(INERTIA);
-        }
-        if !self.lateral_stays_to(&here) {
-            return Err(LATERAL_CHANGES);
-        }
+        self.is_elastic(&self.start, &here)?;
         let strain = before.strain + part * (here.strain - before.strain);
         positive(0.5 * (peak - self.start.stress) / strain)
+    }
+
+    /// Whether springs alone respond between two points, under a constant lateral stress.
+    pub(super) fn is_elastic(&self, from: &Point, to: &Point) -> Result<(), &'static str> {
+        if moves(from, to) {
+            return Err(INERTIA);
+        }
+        if self.lateral_stays_to(to) { Ok(()) } else { Err(LATERAL_CHANGES) }
     }
 
     /// The increment that comes to half the peak: the points before and after it, and the part of
@@ -173,7 +175,7 @@ impl KeyResults {
 const MOVING: f64 = 1e-2;
 
 /// Whether inertia carries a part of the load at the second of two points of the curve.
-pub(super) fn moves(from: &Point, to: &Point) -> bool {
+fn moves(from: &Point, to: &Point) -> bool {
     let work = 0.5 * (to.stress - from.stress) * (to.strain - from.strain);
     to.kinetic > MOVING * work.abs()
 }

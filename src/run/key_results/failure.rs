@@ -1,8 +1,7 @@
 //! Definitions of the key results: Poisson's ratio, strength, thresholds of cracks, friction angle.
 
 use super::collected::{KeyResults, Point};
-use super::definitions::moves;
-use super::reasons::{CAPPED_BEFORE, INERTIA, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
+use super::definitions::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOLVED, RIGID};
 
 /// Fall of the axial stress below its peak, over the rise to it, after which the peak is passed.
 /// Stresses of a specimen of some hundred grains fluctuate by less before it.
@@ -37,12 +36,7 @@ impl KeyResults {
         if !from.solved {
             return Err(CAPPED_BEFORE);
         }
-        if moves(&from, &here) {
-            return Err(INERTIA);
-        }
-        if !self.lateral_stays_to(&here) {
-            return Err(LATERAL_CHANGES);
-        }
+        self.is_elastic(&from, &here)?;
         let lateral = |point: &Point| {
             // Strains are 0 where the reference stage begins.
             if point.strain == 0.0 {

@@ -6,14 +6,12 @@ mod collected;
 mod definitions;
 mod failure;
 mod observe;
-mod reasons;
 mod results;
-mod stiffness;
 
 pub use self::collected::{KeyResults, Phase};
+pub use self::definitions::RIGID;
 pub(super) use self::observe::{count_bonds, start_from_state};
 pub(crate) use self::observe::{is_undecided, observe_increment};
-pub use self::reasons::RIGID;
 pub use self::results::{BrokenBonds, MechanismRecord, PEAK_ERROR, Results, Worst, WorstResiduals};
 
 /// Name of [`KeyResults`] in a state.

@@ -5,7 +5,6 @@ use std::f64::consts::PI;
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
-use clastic_components::bond::BondState;
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::observation::{Observation, RuptureCount};
@@ -13,6 +12,7 @@ use clastic_systems::identities::IdentityTable;
 use clastic_systems::measures::kept::kept_stresses;
 
 use super::collected::{KeyResults, Phase};
+use crate::run::cement::intact;
 use crate::run::script::Script;
 use crate::run::walls::WallCatalogue;
 use crate::scene::format::{Specimen, Stage};
@@ -49,8 +49,7 @@ pub fn observe_increment(
 /// increment follows.
 pub fn count_bonds(world: &mut World) {
     let created = world.get_resource::<IdentityTable>().map_or(0, |ids| ids.next().bond as usize);
-    let mut bonds = world.query::<&BondState>();
-    let intact = bonds.iter(world).filter(|state| **state == BondState::Intact).count();
+    let intact = intact(world);
     if let Some(mut results) = world.get_resource_mut::<KeyResults>() {
         results.count_bonds(created, intact);
     }

@@ -1,13 +1,14 @@
 //! Estimates before a run, from what the scene imposes.
 
-use std::f64::consts::PI;
+use glam::DVec2;
 
-use crate::run::densest::lowest_porosity;
+use crate::run::disks::Disks;
 use crate::run::minerals::specimen;
 use crate::run::particles::ParticleSeed;
+use crate::run::wall_pieces::pieces;
 use crate::scene::format::{
     Analysis, Cell, CellStrain, CellTarget, Compact, CompactBy, CompactTarget, LidLoad, Load,
-    Scene, Specimen, Stage, Strain, Table, Wall, WallControl,
+    Scene, Specimen, Stage, Strain, Table, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
@@ -26,17 +27,15 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let pressure = loads.filter_map(confining).chain(kept(stored)).max_by(f64::total_cmp);
     let reference = scene.stages.get(scene.reference_stage()).and_then(Stage::load);
     let reference = reference.filter(|_| is_test(scene));
-    let packed = Packed::of(scene, &seeds);
+    let disks = Disks::of(seeds.iter().map(|seed| seed.radius));
+    let packed = Packed::of(scene, &seeds, &disks);
     let analysis = |load: &Load| load.analysis.unwrap_or(scene.analysis);
     let strain =
         reference.and_then(|load| Some((load, imposed_strain(scene, load, packed.as_ref())?)));
     let increment = strain
         .filter(|(load, _)| matches!(analysis(load), Analysis::Static))
         .map(|(_, strain)| strain);
-    let shear = |load: &Load| match load.cell.as_ref()?.shear? {
-        CellTarget::Strain(strain) => Some(strain.abs() / f64::from(load.increments.max(1))),
-        _ => None,
-    };
+    let shear = |load: &Load| of_increment(load, load.cell.as_ref()?.shear);
     let number = reference.and_then(|load| match analysis(load) {
         Analysis::Dynamic { dt, .. } => {
             let strain = strain.map(|(_, strain)| strain).into_iter().chain(shear(load));
@@ -53,29 +52,20 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
         ..Report::default()
     }
     .with_warnings(grains.strength > 0.0, grains.are_rock(pressure));
-    report.warnings.extend(too_dense(scene, &seeds));
+    report.warnings.extend(too_dense(scene, &disks));
     report.warnings.extend(out_of_reach(scene, &seeds));
-    report.warnings.extend(mistakes(scene, &grains, &seeds, pressure, is_specimen(scene)));
+    report.warnings.extend(mistakes(scene, &grains, &seeds, pressure));
     report
 }
 
 /// Porosity at which random packings jam, far from walls.
 const JAMMED: f64 = 0.16;
 
-/// Warning of a compaction to a porosity that no disks of these radii reach.
-fn too_dense(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
-    let radii = seeds.iter().map(|seed| seed.radius);
-    let (smallest, largest) =
-        (radii.clone().min_by(f64::total_cmp)?, radii.max_by(f64::total_cmp)?);
-    let lowest = lowest_porosity(smallest / largest);
+/// Warning of a compaction to a porosity that these disks do not reach.
+fn too_dense(scene: &Scene, disks: &Disks) -> Option<String> {
     scene.stages.iter().find_map(|stage| match stage {
-        Stage::Compact(Compact { name, target: CompactTarget::Porosity(target), .. })
-            if *target < lowest =>
-        {
-            Some(format!(
-                "stage `{name}` compacts to a porosity of {target:?}, below {lowest:.4}, the minimum \
-                 of disks of these radii in the plane (Florian 1960); random packings jam near 0.16"
-            ))
+        Stage::Compact(Compact { name, target: CompactTarget::Porosity(target), .. }) => {
+            Some(format!("stage `{name}`: {}", disks.refusal(*target)?))
         }
         _ => None,
     })
@@ -119,23 +109,16 @@ fn kept(stored: Option<&StoredSpecimen>) -> Option<f64> {
 fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option<f64> {
     match scene.strain("axial_strain")? {
         Strain::Walls(a, b) => {
-            let [a, b] = [a, b].map(|name| scene.walls.iter().find(|wall| wall.name == *name));
-            let (a, b) = (a?, b?);
-            let along = (a.end.0 - a.start.0, a.end.1 - a.start.1);
-            let length = along.0.hypot(along.1);
-            let normal = (-along.1 / length, along.0 / length);
-            let dot = |v: (f64, f64)| v.0 * normal.0 + v.1 * normal.1;
-            let middle = |wall: &Wall| {
-                (0.5 * (wall.start.0 + wall.end.0), 0.5 * (wall.start.1 + wall.end.1))
-            };
-            let (at_a, at_b) = (middle(a), middle(b));
-            let drawn = dot((at_b.0 - at_a.0, at_b.1 - at_a.1)).abs();
+            let wall = |name: &str| scene.walls.iter().find(|wall| wall.name == *name);
+            let (a, b) = (wall(a)?, wall(b)?);
+            let [line, other] = [a, b].map(|wall| pieces(wall)[0]);
+            let normal = line.wall.inward();
+            let drawn = (other.position - line.position).dot(normal).abs();
             // A compaction has moved one of these walls to the other.
             let is_moved = |compact: &&Compact| {
-                let is = |wall: &Wall, base: &Wall| {
-                    wall.name == compact.wall && base.name == compact.base
-                };
-                compact.by != CompactBy::Radii && (is(a, b) || is(b, a))
+                let ends = [&compact.wall, &compact.base];
+                compact.by != CompactBy::Radii
+                    && (ends == [&a.name, &b.name] || ends == [&b.name, &a.name])
             };
             let moved = compaction(scene).filter(is_moved).and(packed).map(|packed| packed.height);
             let distance = moved.map_or(drawn, |height| height.min(drawn));
@@ -144,8 +127,8 @@ fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option
                 Analysis::Static => 0.0,
             };
             let motion = |name: &String| match load.walls.get(name) {
-                Some(WallControl::Displacement(x, y)) => dot((*x, *y)),
-                Some(WallControl::Velocity(x, y)) => dt * dot((*x, *y)),
+                Some(WallControl::Displacement(x, y)) => normal.dot(DVec2::new(*x, *y)),
+                Some(WallControl::Velocity(x, y)) => dt * normal.dot(DVec2::new(*x, *y)),
                 _ => 0.0,
             };
             let strain = (motion(&a.name) - motion(&b.name)).abs() / distance;
@@ -158,13 +141,16 @@ fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option
                 CellStrain::Height => cell.yy,
                 CellStrain::Shear => cell.shear,
             };
-            match component {
-                Some(CellTarget::Strain(strain)) => {
-                    Some(strain.abs() / f64::from(load.increments.max(1)))
-                }
-                _ => None,
-            }
+            of_increment(load, component)
         }
+        _ => None,
+    }
+}
+
+/// Strain in an increment of a component of the cell.
+fn of_increment(load: &Load, component: Option<CellTarget>) -> Option<f64> {
+    match component? {
+        CellTarget::Strain(strain) => Some(strain.abs() / f64::from(load.increments.max(1))),
         _ => None,
     }
 }
@@ -192,14 +178,16 @@ impl Packed {
     /// A random packing fills the grid from which it is drawn. A compaction brings it to the
     /// height, or the porosity, of its target; where none does, its height is not known and its
     /// width decides. One that is cut out of a cell is as large as the part that is left.
-    fn of(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Self> {
-        let largest = seeds.iter().map(|seed| seed.radius).max_by(f64::total_cmp)?;
-        let area: f64 = seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum();
+    fn of(scene: &Scene, seeds: &[ParticleSeed], disks: &Disks) -> Option<Self> {
+        let Disks { area, largest, .. } = *disks;
         let side = |of: fn(&ParticleSeed) -> f64| {
             let low = seeds.iter().map(|seed| of(seed) - seed.radius).min_by(f64::total_cmp);
             let high = seeds.iter().map(|seed| of(seed) + seed.radius).max_by(f64::total_cmp);
             Some(high? - low?)
         };
+        if seeds.is_empty() {
+            return None;
+        }
         let (width, height) = match (&scene.cell, &scene.specimen) {
             (Some(cell), _) => cell.size,
             (None, Specimen::Packing { count, columns, spacing, .. }) if scene.keep.is_none() => {

@@ -74,8 +74,7 @@ impl Sanity {
         let across = change - (lateral - std::mem::replace(&mut self.lateral, lateral));
         match analysis.kind {
             AnalysisKind::Static if o.axial_stress.is_some() => {
-                let before = self.increment.unwrap_or(0.0);
-                self.increment = Some(before.max(change.abs()));
+                self.increment = larger(self.increment, Some(change.abs()));
             }
             AnalysisKind::Dynamic { dt, .. } => {
                 if let Some(pressure) = confining(o) {
@@ -90,12 +89,13 @@ impl Sanity {
     }
 }
 
+fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
+    a.into_iter().chain(b).reduce(f64::max)
+}
+
 /// The smaller of axial and lateral stress, of those that are measured.
 fn confining(o: &Observation) -> Option<f64> {
-    match (o.axial_stress, o.lateral_stress) {
-        (Some(axial), Some(lateral)) => Some(axial.min(lateral)),
-        (axial, lateral) => lateral.or(axial),
-    }
+    o.axial_stress.into_iter().chain(o.lateral_stress).reduce(f64::min)
 }
 
 /// Adds the increment.
@@ -112,18 +112,15 @@ pub fn follow(
     }
     let strengths = bonds.iter().map(|bond| bond.law.cohesion.max(bond.law.tensile_strength));
     sanity.strength = strengths.fold(sanity.strength, f64::max);
-    if let Some(overlap) = overlap(&bodies, &contacts, &program, &solution) {
-        sanity.overlap = Some(sanity.overlap.map_or(overlap, |most| most.max(overlap)));
-    }
+    sanity.overlap = larger(sanity.overlap, overlap(&bodies, &contacts, &program, &solution));
     if o.in_avalanche {
         return;
     }
     // Without a lateral stress the axial one is the load and no confinement, except on loose
     // grains.
     let is_loose = sanity.strength == 0.0;
-    if let Some(pressure) = confining(&o).filter(|_| is_loose || o.lateral_stress.is_some()) {
-        sanity.pressure = Some(sanity.pressure.map_or(pressure, |most| most.max(pressure)));
-    }
+    let pressure = confining(&o).filter(|_| is_loose || o.lateral_stress.is_some());
+    sanity.pressure = larger(sanity.pressure, pressure);
     if is_test(&script.scene) && progress.stage >= script.reference_stage() {
         if sanity.mass == 0.0 {
             sanity.across = across(&bodies).filter(|_| is_specimen(&script.scene));

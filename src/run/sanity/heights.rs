@@ -1,7 +1,6 @@
 //! Heights at which compactions end, so that later stages know where the specimen is.
 
-use std::f64::consts::PI;
-
+use crate::run::disks::Disks;
 use crate::run::minerals::specimen;
 use crate::scene::format::{Compact, CompactBy, CompactTarget, Scene, Stage};
 use crate::scene::shown::label;
@@ -13,8 +12,7 @@ pub fn heights(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<String> {
     let mut area = None;
     let mut area = || {
         *area.get_or_insert_with(|| {
-            let seeds = specimen(scene, stored);
-            seeds.iter().map(|seed| PI * seed.radius * seed.radius).sum::<f64>()
+            Disks::of(specimen(scene, stored).iter().map(|seed| seed.radius)).area
         })
     };
     let mut lines = Vec::new();

@@ -1,7 +1,7 @@
 //! Likely mistakes of a scene: values that are possible and seldom meant.
 
-use super::OVERLAP;
 use super::material::Grains;
+use super::{OVERLAP, is_specimen};
 use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{Scene, Specimen, Stage, Strain, WallControl};
@@ -29,7 +29,6 @@ pub(super) fn mistakes(
     grains: &Grains,
     seeds: &[ParticleSeed],
     pressure: Option<f64>,
-    is_specimen: bool,
 ) -> Vec<String> {
     let mut list: Vec<String> = frictions(scene)
         .filter(|(_, friction)| *friction > TANGENT)
@@ -54,7 +53,7 @@ pub(super) fn mistakes(
         ));
     }
     let mean = 2.0 * seeds.iter().map(|seed| seed.radius).sum::<f64>() / seeds.len().max(1) as f64;
-    if is_specimen && mean > LARGE {
+    if is_specimen(scene) && mean > LARGE {
         list.push(format!(
             "the grains of the test are {mean:.2} m in diameter: lengths are in m, 1 mm is 1e-3"
         ));
@@ -132,16 +131,12 @@ fn overlap(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
     };
     let all: Vec<_> = scene.walls.iter().filter(|wall| wall.present).collect();
     let of_walls = all.iter().flat_map(|wall| {
-        pieces(wall)
-            .into_iter()
-            .flat_map(|piece| {
-                let (inward, half) = (piece.wall.inward(), piece.wall.half_length);
-                seeds.iter().enumerate().map(move |(i, seed)| {
-                    let near = piece.shape.nearest(inward, half, seed.position - piece.position);
-                    (1.0 - near.distance / seed.radius, i)
-                })
+        pieces(wall).into_iter().flat_map(move |piece| {
+            seeds.iter().enumerate().map(move |(i, seed)| {
+                let overlap = 1.0 - piece.distance(seed.position) / seed.radius;
+                (overlap, format!("particle {i} and wall {}", label(&wall.name)))
             })
-            .map(|(overlap, i)| (overlap, format!("particle {i} and wall {}", label(&wall.name))))
+        })
     });
     // Grains of one group may be a rigid body.
     let group = |i: u32| seeds[i as usize].group.as_ref();

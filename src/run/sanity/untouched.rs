@@ -202,11 +202,7 @@ pub(super) fn out_of_reach(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Stri
         let wall = scene.walls.iter().find(|wall| wall.name == *name)?;
         let way = if comes_near(wall, u) { u.length() * f64::from(load.increments) } else { 0.0 };
         let reaches = |seed: &ParticleSeed| {
-            pieces(wall).iter().any(|piece| {
-                let (inward, half) = (piece.wall.inward(), piece.wall.half_length);
-                let near = piece.shape.nearest(inward, half, seed.position - piece.position);
-                near.distance - seed.radius <= way
-            })
+            pieces(wall).iter().any(|piece| piece.distance(seed.position) - seed.radius <= way)
         };
         if seeds.iter().any(reaches) {
             return None;

@@ -9,10 +9,10 @@ mod cell;
 mod compact;
 mod load;
 mod materials;
+mod measures;
 mod output;
 mod particle_control;
 mod pour;
-mod quantities;
 mod repeat;
 mod specimen;
 mod stages;
@@ -28,7 +28,7 @@ pub use clastic_components::increment::{
 };
 pub use clastic_components::measure::{
     CrackPart as Cracks, FabricComponent, ForceComponent as Along, FragmentPart as Fragments,
-    GrainAmount as Amount, MembraneValue, Network, RingValue,
+    GrainAmount as Amount, GroupAlong, MembraneValue, Modes, Network, RingValue,
 };
 pub use clastic_components::membrane::Sides;
 pub use clastic_components::observation::{
@@ -43,10 +43,10 @@ pub use cell::{Cell, CellControl, CellTarget};
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
 pub use load::{Load, MembraneControl, RigidControl, Scale, Traction};
 pub use materials::{Bond, Contact, Material, Scatter, Spread};
+pub use measures::{Area, Length, Measure, Quantity, ROLES, Strain, Stress};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
-pub use quantities::{Area, GroupAlong, Length, Measure, Modes, Quantity, ROLES, Strain, Stress};
 pub(super) use repeat::MAX_STAGES;
 pub use specimen::{Clusters, ExplicitBond, Mineral, Particle, Sizes, Specimen};
 pub use stages::{Cement, CustomStage, Remove, Save, Stage, Stop};

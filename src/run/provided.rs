@@ -1,0 +1,131 @@
+//! What plugins provide to scenes: kinds of stages, measures, and systems that drive walls.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+
+use clastic_components::measure::{NamedMeasures, Quantity, Readings};
+
+use crate::scene::format as scene;
+
+/// Reads the measure of a plugin.
+type Read = Box<dyn Fn(&World) -> Option<f64> + Send + Sync>;
+
+/// What the plugins of a program provide. A scene that needs more is refused.
+#[derive(Resource, Default)]
+pub struct Provided {
+    /// Kinds of `Custom` stages.
+    pub stages: BTreeSet<&'static str>,
+    /// Whether walls with the control `Custom` are driven. Otherwise the command line refuses
+    /// scenes with such walls, which would stand still.
+    pub walls: bool,
+    /// Measures by name.
+    measures: BTreeMap<&'static str, Read>,
+}
+
+impl Provided {
+    /// The names of the measures.
+    pub fn measures(&self) -> impl Iterator<Item = &'static str> {
+        self.measures.keys().copied()
+    }
+
+    /// Why a stage of a scene cannot begin; `None` if plugins provide all that it needs.
+    #[must_use]
+    pub fn refusal(&self, scene: &scene::Scene, stage: &scene::Stage) -> Option<String> {
+        if let scene::Stage::Custom(scene::CustomStage { kind, .. }) = stage
+            && !self.stages.contains(kind.as_str())
+        {
+            let known = listed(self.stages.iter().copied());
+            return Some(format!(
+                "no plugin of this program provides the kind `{kind}`; it provides {known}"
+            ));
+        }
+        let (name, kind) = scene.measures.iter().find_map(|measure| match &measure.of {
+            scene::Quantity::Custom(kind) if !self.measures.contains_key(kind.as_str()) => {
+                Some((&measure.name, kind))
+            }
+            _ => None,
+        })?;
+        let known = listed(self.measures());
+        Some(format!(
+            "measure `{name}` cannot be read: no plugin of this program provides the measure `{kind}`; \
+             it provides {known}"
+        ))
+    }
+}
+
+fn listed(names: impl Iterator<Item = &'static str>) -> String {
+    let names: Vec<_> = names.collect();
+    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+}
+
+/// Registers what a plugin provides to scenes.
+pub trait Provide {
+    /// Registers a kind of stage. The plugin has systems in
+    /// [`StageSystems::Custom`](super::plugin::StageSystems::Custom) that begin and end such stages.
+    fn provide_stage(&mut self, kind: &'static str) -> &mut Self;
+
+    /// Registers a measure: a scene refers to it by `Custom(name)`. It is read from the resource
+    /// `R` after every increment, before the systems of
+    /// [`StageSystems::Stop`](super::plugin::StageSystems::Stop). Without the resource, or with
+    /// `None`, it is not defined.
+    fn provide_measure<R: Resource>(
+        &mut self,
+        name: &'static str,
+        read: impl Fn(&R) -> Option<f64> + Send + Sync + 'static,
+    ) -> &mut Self;
+
+    /// Registers that the plugin has systems in
+    /// [`ControlSystems::Custom`](clastic_systems::schedule::ControlSystems::Custom) that drive
+    /// walls with the control `Custom`.
+    fn provide_walls(&mut self) -> &mut Self;
+}
+
+impl Provide for App {
+    fn provide_stage(&mut self, kind: &'static str) -> &mut Self {
+        provided(self).stages.insert(kind);
+        self
+    }
+
+    fn provide_measure<R: Resource>(
+        &mut self,
+        name: &'static str,
+        read: impl Fn(&R) -> Option<f64> + Send + Sync + 'static,
+    ) -> &mut Self {
+        let read = move |world: &World| world.get_resource::<R>().and_then(&read);
+        provided(self).measures.insert(name, Box::new(read));
+        self
+    }
+
+    fn provide_walls(&mut self) -> &mut Self {
+        provided(self).walls = true;
+        self
+    }
+}
+
+fn provided(app: &mut App) -> Mut<'_, Provided> {
+    app.world_mut().get_resource_or_init()
+}
+
+/// Run condition: the scene has measures of plugins.
+pub(super) fn has_measures(named: Res<NamedMeasures>) -> bool {
+    named.list.iter().any(|(_, quantity)| matches!(quantity, Some(Quantity::Custom(_))))
+}
+
+/// Reads the measures of plugins. Exclusive, because they may be any resource.
+pub(super) fn read_measures(world: &mut World) {
+    let (named, provided) = (world.resource::<NamedMeasures>(), world.resource::<Provided>());
+    let read = |(_, quantity): &(String, Option<Quantity>)| match quantity {
+        Some(Quantity::Custom(kind)) => {
+            let reading = provided.measures.get(kind.as_str()).and_then(|read| read(world));
+            Some(reading.filter(|reading| reading.is_finite()))
+        }
+        _ => None,
+    };
+    let found: Vec<Option<Option<f64>>> = named.list.iter().map(read).collect();
+    let mut readings = world.resource_mut::<Readings>();
+    for (out, found) in readings.0.iter_mut().zip(found) {
+        *out = found.unwrap_or(*out);
+    }
+}
