@@ -192,12 +192,6 @@ impl ConeProgram {
         Some((body, cell.rows(c.image, self.bodies[body].axis, &[x, y])))
     }
 
-    /// Whether the deformation of the cell is not known.
-    #[must_use]
-    pub fn has_free_cell(&self) -> bool {
-        self.cell.is_some_and(|cell| self.bodies[cell.body as usize].is_free())
-    }
-
     /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,
     /// so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
     /// then appears in the displacements, of which the residuals are computed.

@@ -13,7 +13,7 @@ mod newton;
 use serde::{Deserialize, Serialize};
 
 pub use self::interior::InteriorSettings;
-pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
+pub use self::newton::{LocalSettings, NewtonSettings};
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 pub(crate) const DEFAULT_RESIDUAL: f64 = 1e-8;
