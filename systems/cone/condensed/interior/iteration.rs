@@ -302,8 +302,8 @@ impl<'a> Iteration<'a> {
         true
     }
 
-    /// The step of tau over tau that takes `part` of the gap away, with `of_kappa` the product that
-    /// tau and kappa lose and `gain` that of the corrector.
+    /// The step of tau over tau that takes the gap away, with `of_kappa` the product that tau and
+    /// kappa lose and `gain` that of the corrector.
     fn growth(&self, of_kappa: f64, gain: f64) -> f64 {
         if !self.is_embedded {
             return 0.0;
