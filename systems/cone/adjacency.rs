@@ -38,7 +38,10 @@ impl Adjacency {
     }
 
     /// Lists of the entries by body, in their order.
-    fn collect(bodies: usize, entries: impl Iterator<Item = (usize, usize)> + Clone) -> Self {
+    pub(crate) fn collect(
+        bodies: usize,
+        entries: impl Iterator<Item = (usize, usize)> + Clone,
+    ) -> Self {
         let mut starts = vec![0; bodies + 1];
         for (body, _) in entries.clone() {
             starts[body + 1] += 1;

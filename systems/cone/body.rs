@@ -47,7 +47,13 @@ impl ProgramBody {
     /// Whether any of its displacements is unknown.
     #[must_use]
     pub fn is_free(&self) -> bool {
-        self.dofs.iter().any(|dof| matches!(dof, Dof::Free(_)))
+        self.free().next().is_some()
+    }
+
+    /// Its degrees of freedom whose displacements are unknown, with their numbers.
+    pub fn free(&self) -> impl Iterator<Item = (usize, &FreeDof)> {
+        let dofs = self.dofs.iter().enumerate();
+        dofs.filter_map(|(k, dof)| if let Dof::Free(free) = dof { Some((k, free)) } else { None })
     }
 
     /// A displacement in the body's own axes turned into (x, y, rotation).

@@ -11,7 +11,7 @@
 //! `lambda_T = -d_n - mu |d_t| - mu_r r |d_r|` is not negative, and infinite otherwise. p_min is
 //! -f_t, or the apex -c A/mu of the shear limit if that is larger.
 
-use crate::program::{Certificate, ConeProgram, Dof};
+use crate::program::{Certificate, ConeProgram};
 
 /// A certificate proves a collapse if its margin is above this and its defect is below.
 pub const TOLERANCE: f64 = 1e-6;
@@ -21,15 +21,12 @@ pub const TOLERANCE: f64 = 1e-6;
 #[must_use]
 pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Certificate> {
     let length = program.scales.length;
-    let mut u = mechanism.to_vec();
-    for (body, u) in program.bodies.iter().zip(&mut u) {
-        for k in 0..3 {
-            // A degree of freedom with inertia takes up any load and does not collapse. A
-            // regularised one does too, but regularisation is no part of the problem.
-            let free = matches!(&body.dofs[k], Dof::Free(f) if f.inertia == 0.0);
-            if !free {
-                u[k] = 0.0;
-            }
+    let mut u = vec![[0.0; 3]; mechanism.len()];
+    for ((body, u), given) in program.bodies.iter().zip(&mut u).zip(mechanism) {
+        // A degree of freedom with inertia takes up any load and does not collapse. A regularised
+        // one does too, but regularisation is no part of the problem.
+        for (k, _) in body.free().filter(|(_, free)| free.inertia == 0.0) {
+            u[k] = given[k];
         }
     }
     let size = |u: &[f64; 3]| u[0].abs().max(u[1].abs()).max(length * u[2].abs());
@@ -37,17 +34,13 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
     if !(maximum > 0.0 && maximum.is_finite()) {
         return None;
     }
-    for u in &mut u {
-        for x in u {
-            *x /= maximum;
-        }
+    for x in u.as_flattened_mut() {
+        *x /= maximum;
     }
     let mut work = 0.0;
     for (body, u) in program.bodies.iter().zip(&u) {
-        for k in 0..3 {
-            if let Dof::Free(f) = &body.dofs[k] {
-                work += f.load * u[k];
-            }
+        for (k, free) in body.free() {
+            work += free.load * u[k];
         }
     }
     let mut dissipation = 0.0;
@@ -87,10 +80,7 @@ pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
     program.add_forces(&forces, &mut rows);
     let known = program.imposed();
     let balanced = program.bodies.iter().zip(&rows).all(|(body, row)| {
-        (0..3).all(|k| {
-            let unit = if k < 2 { 1.0 } else { length };
-            !matches!(body.dofs[k], Dof::Free(_)) || row[k].abs() <= TOLERANCE * unit
-        })
+        body.free().all(|(k, _)| row[k].abs() <= TOLERANCE * if k < 2 { 1.0 } else { length })
     });
     let (mut work, mut allowed) = (0.0, true);
     for (c, [p, q, tau]) in program.interactions.iter().zip(&forces) {

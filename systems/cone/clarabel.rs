@@ -14,8 +14,8 @@ use clarabel::solver::{
 use crate::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 
 use super::certificate::{certificate, locks, proves};
-use super::lowering::{displacements, forces, lower, polish};
-use super::polish::{Point, PolishSettings};
+use super::lowering::lower;
+use super::polish::{Point, PolishSettings, polish};
 use super::solver::{ConeSolver, MalformedProgram};
 
 /// Clarabel with its settings.
@@ -45,12 +45,11 @@ impl ConeSolver for Clarabel {
         program: &ConeProgram,
         _tolerance: f64,
     ) -> Result<ConeSolution, MalformedProgram> {
-        let mut low = lower(program);
+        let low = lower(program);
         if let Some((body, dof)) = low.unbalanced {
             return Ok(lonely_collapse(program, body, dof));
         }
-        let (variables, rows) = (low.linear.len(), low.right.len());
-        if variables == 0 {
+        if low.linear.is_empty() {
             return Ok(ConeSolution {
                 status: SolveStatus::Solved,
                 displacements: program.imposed(),
@@ -58,8 +57,8 @@ impl ConeSolver for Clarabel {
             });
         }
         let p = diagonal(&low.quadratic);
-        let a = std::mem::take(&mut low.matrix).matrix(rows, variables);
-        let cones = [ZeroConeT(low.balance_rows), NonnegativeConeT(rows - low.balance_rows)];
+        let limits = low.right.len() - low.balance_rows;
+        let cones = [ZeroConeT(low.balance_rows), NonnegativeConeT(limits)];
         let settings = DefaultSettings {
             verbose: false,
             max_iter: self.max_iterations,
@@ -75,14 +74,15 @@ impl ConeSolver for Clarabel {
             presolve_enable: false,
             ..DefaultSettings::default()
         };
-        let mut solver = DefaultSolver::new(&p, &low.linear, &a, &low.right, &cones, settings)
-            .map_err(|e| MalformedProgram(e.to_string()))?;
+        let mut solver =
+            DefaultSolver::new(&p, &low.linear, &low.matrix, &low.right, &cones, settings)
+                .map_err(|e| MalformedProgram(e.to_string()))?;
         solver.solve();
         let raw = &solver.solution;
         let mut solution = ConeSolution {
             status: SolveStatus::Stalled,
-            forces: forces(program, &low.columns, &raw.x),
-            displacements: displacements(program, &low.rows, &raw.z),
+            forces: low.forces(program, &raw.x),
+            displacements: low.displacements(program, &raw.z),
             iterations: raw.iterations,
             message: format!("{:?}", raw.status),
             ..Default::default()
@@ -90,15 +90,12 @@ impl ConeSolver for Clarabel {
         match raw.status {
             SolverStatus::Solved | SolverStatus::AlmostSolved => {
                 solution.status = SolveStatus::Solved;
-                if let Some(settings) = &self.polish {
-                    let point = Point { x: raw.x.clone(), z: raw.z.clone() };
-                    polish(program, &low, &a, point, settings, &mut solution);
-                }
             }
             SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible
                 if locks(program, &solution.forces) =>
             {
                 solution.status = SolveStatus::Locked;
+                return Ok(solution);
             }
             // Clarabel may give up on an infeasible program: the mechanism proves the collapse, not
             // the status.
@@ -107,11 +104,13 @@ impl ConeSolver for Clarabel {
                 if mechanism.is_some() {
                     solution.status = SolveStatus::Collapsed;
                     solution.certificate = mechanism;
-                } else if let Some(settings) = &self.polish {
-                    let point = Point { x: raw.x.clone(), z: raw.z.clone() };
-                    polish(program, &low, &a, point, settings, &mut solution);
+                    return Ok(solution);
                 }
             }
+        }
+        if let Some(settings) = &self.polish {
+            let start = Point { x: raw.x.clone(), z: raw.z.clone() };
+            polish(program, &low, &start, settings, &mut solution);
         }
         Ok(solution)
     }

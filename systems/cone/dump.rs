@@ -14,35 +14,28 @@ rolling moment; and the displacements u of all free degrees of freedom, the mult
 balance rows. \
 Minimise 1/2 sum_dof (m + w) u^2 + sum_c [g p + 1/2 C_N p^2 + 1/2 C_T (q - q_0)^2 - e_n p - e_t q \
 - e_r tau] \
-subject to, for every free degree of freedom, (m + w) u + G (p, q, tau) = load + w r, \
-and for every interaction |q| <= cohesion + friction p, |tau| <= moment + rolling p, \
-p >= -tension; \
-m = inertia, momentum = the part of the load that is inertia times the motion of the last \
-increment \
+subject to, for every free degree of freedom, (m + w) u + G (p, q, tau) = load + w r, and for \
+every interaction |q| <= cohesion + friction p, |tau| <= moment + rolling p, p >= -tension; m = \
+inertia, momentum = the part of the load that is inertia times the motion of the last increment \
 (no force), w = proximal (regularisation; the residuals count its force as an error of the \
-balance), r = reference, g = offset, C_N = normal_compliance, \
-C_T = tangential_compliance, q_0 = previous_shear; an interaction without cohesion and friction \
-has \
-q = 0 and a free slip, one without rolling has tau = 0 and a free rotation. \
-G: with n = normal (unit, from a to b) and t = (-n_y, n_x), body a has the rows p n + q t (forces) \
-and arm_a q + tau (moment), body b has -(p n + q t) and arm_b q - tau; forces are taken along \
-axis and \
-along axis turned by +90 degrees, the two translations of a body. \
+balance), r = reference, g = offset, C_N = normal_compliance, C_T = tangential_compliance, q_0 = \
+previous_shear; an interaction without cohesion and friction has q = 0 and a free slip, one \
+without rolling has tau = 0 and a free rotation. \
+G: with n = normal (unit, from a to b) and t = (-n_y, n_x), body a has the rows p n + q t \
+(forces) and arm_a q + tau (moment), body b has -(p n + q t) and arm_b q - tau; forces are taken \
+along axis and along axis turned by +90 degrees, the two translations of a body. \
 Kinematics, the transpose of G: closing d_n = n.(u_a - u_b), slip d_t = t.(u_a - u_b) + arm_a \
-alpha_a + \
-arm_b alpha_b, relative rotation d_r = alpha_a - alpha_b; (e_n, e_t, e_r) are (d_n, d_t, d_r) of \
-the \
-fixed degrees of freedom alone. \
-Optimality: d_n = g + C_N p - friction (l1 + l2) - rolling (l3 + l4) - l5, \
-d_t = C_T (q - q_0) + l1 - l2, d_r = l3 - l4 with l1, l2 >= 0 the multipliers of +q and -q, l3, \
-l4 those of \
-+tau and -tau, l5 that of p >= -tension. This is solution.law = associated; with coulomb d_n of an \
-interaction without cohesion and tension lacks the terms of friction and rolling, and the solution \
-is no minimum. \
+alpha_a + arm_b alpha_b, relative rotation d_r = alpha_a - alpha_b; (e_n, e_t, e_r) are (d_n, d_t, \
+d_r) of the fixed degrees of freedom alone. \
+Optimality: d_n = g + C_N p - friction (l1 + l2) - rolling (l3 + l4) - l5, d_t = C_T (q - q_0) + \
+l1 - l2, d_r = l3 - l4 with l1, l2 >= 0 the multipliers of +q and -q, l3, l4 those of +tau and \
+-tau, l5 that of p >= -tension. This is solution.law = associated; with coulomb d_n of an \
+interaction without cohesion and tension lacks the terms of friction and rolling, and the \
+solution is no minimum. \
 scales are the magnitudes that a solver may divide by; they change no solution. \
 Tables: bodies[i] is body i; solution.forces[k] = (p, q, tau) belongs to interactions[k]; \
-solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. \
-null stands for a number that is not finite.";
+solution.displacements[i] = (first translation, second translation, rotation) to bodies[i]. null \
+stands for a number that is not finite.";
 
 /// Addition to [`FORMAT`] for a program with a periodic cell.
 pub const OF_CELL: &str = " cell.body is the row of the body that stands for the deformation of a \

@@ -49,6 +49,12 @@ impl Limits {
         self.rolling > 0.0
     }
 
+    /// Which of p, q, tau the interaction has.
+    #[must_use]
+    pub fn forces(&self) -> [bool; 3] {
+        [true, self.has_shear(), self.has_rolling()]
+    }
+
     /// Whether the shear force of `f` = (p, q, tau) is on its limit, so that the interaction slides.
     #[must_use]
     pub fn slides(&self, f: &[f64; 3]) -> bool {
@@ -147,7 +153,7 @@ pub struct Interaction {
     pub limits: Limits,
     /// Shift s of the image of b in the [cell](crate::program::ProgramCell), over the length of the
     /// cell; zero where b takes part itself.
-    #[serde(default, skip_serializing_if = "is_none")]
+    #[serde(default, skip_serializing_if = "is_zero")]
     pub image: DVec2,
 }
 
@@ -220,12 +226,7 @@ impl Interaction {
     }
 }
 
-/// Whether a dump leaves a shift out.
-fn is_none(shift: &DVec2) -> bool {
-    *shift == DVec2::ZERO
-}
-
-/// Whether a dump leaves a number out.
-fn is_zero(x: &f64) -> bool {
-    *x == 0.0
+/// Whether a dump leaves a value out.
+fn is_zero<T: Default + PartialEq>(x: &T) -> bool {
+    *x == T::default()
 }

@@ -3,10 +3,7 @@
 
 use clarabel::algebra::CscMatrix;
 
-use crate::program::{ConeProgram, ConeSolution, Dof, Interaction};
-
-use super::polish::{Point, PolishSettings, QuadraticProgram};
-use super::residuals::regularised_residuals;
+use crate::program::{ConeProgram, Interaction};
 
 /// Triplets of a sparse matrix.
 #[derive(Default)]
@@ -17,12 +14,10 @@ pub(super) struct Triplets {
 }
 
 impl Triplets {
-    fn push(&mut self, row: usize, column: usize, value: f64) {
-        if value != 0.0 {
-            self.rows.push(row);
-            self.columns.push(column);
-            self.values.push(value);
-        }
+    pub(super) fn push(&mut self, row: usize, column: usize, value: f64) {
+        self.rows.push(row);
+        self.columns.push(column);
+        self.values.push(value);
     }
 
     pub(super) fn matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
@@ -30,17 +25,21 @@ impl Triplets {
     }
 }
 
-/// The program as Clarabel reads it, with the places of its rows and columns.
+/// `min 1/2 x' diag(P) x + q'x` subject to `A x + s = b`, `s = 0` on the balance rows and `s >= 0` on
+/// the others, with the places of rows and columns.
 pub(super) struct Lowered {
     /// Diagonal of P.
     pub(super) quadratic: Vec<f64>,
+    /// q.
     pub(super) linear: Vec<f64>,
-    pub(super) matrix: Triplets,
+    /// A.
+    pub(super) matrix: CscMatrix<f64>,
+    /// b.
     pub(super) right: Vec<f64>,
     /// Balance row of every degree of freedom; `None` if it has none.
-    pub(super) rows: Vec<[Option<usize>; 3]>,
+    rows: Vec<[Option<usize>; 3]>,
     /// First column of every interaction.
-    pub(super) columns: Vec<usize>,
+    columns: Vec<usize>,
     pub(super) balance_rows: usize,
     /// A free degree of freedom with a load and without interactions: a collapse by itself.
     pub(super) unbalanced: Option<(usize, usize)>,
@@ -50,19 +49,21 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
     let mut low = Lowered {
         quadratic: Vec::new(),
         linear: Vec::new(),
-        matrix: Triplets::default(),
+        matrix: CscMatrix::zeros((0, 0)),
         right: Vec::new(),
         rows: vec![[None; 3]; program.bodies.len()],
         columns: Vec::with_capacity(program.interactions.len()),
         balance_rows: 0,
         unbalanced: None,
     };
+    let mut entries = Triplets::default();
     low.add_balance(program);
     let imposed = program.imposed();
     for c in &program.interactions {
-        low.add_interaction(program, c, &imposed);
+        low.add_interaction(program, c, &imposed, &mut entries);
     }
-    low.add_weights(program);
+    low.add_weights(program, &mut entries);
+    low.matrix = entries.matrix(low.right.len(), low.linear.len());
     low
 }
 
@@ -70,11 +71,8 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
 fn touched(program: &ConeProgram) -> Vec<[bool; 3]> {
     let mut touched = vec![[false; 3]; program.bodies.len()];
     for c in &program.interactions {
-        let has = [true, c.limits.has_shear(), c.limits.has_rolling()];
-        let of =
-            |body: u32, first| (body as usize, c.rows(program.bodies[body as usize].axis, first));
-        let cell = program.rows_of_cell(c);
-        for (body, rows) in [of(c.a, true), of(c.b, false)].into_iter().chain(cell) {
+        let has = c.limits.forces();
+        for (body, rows) in program.rows(c) {
             for k in 0..3 {
                 touched[body][k] |= (0..3).any(|f| has[f] && rows[k][f] != 0.0);
             }
@@ -89,14 +87,12 @@ impl Lowered {
         let (_, df) = program.scales.units();
         let touched = touched(program);
         for (i, body) in program.bodies.iter().enumerate() {
-            for k in 0..3 {
-                if let Dof::Free(free) = &body.dofs[k] {
-                    if touched[i][k] || free.inertia + free.proximal > 0.0 {
-                        self.rows[i][k] = Some(self.right.len());
-                        self.right.push((free.load + free.proximal * free.reference) / df[k]);
-                    } else if free.load != 0.0 {
-                        self.unbalanced.get_or_insert((i, k));
-                    }
+            for (k, free) in body.free() {
+                if touched[i][k] || free.inertia + free.proximal > 0.0 {
+                    self.rows[i][k] = Some(self.right.len());
+                    self.right.push((free.load + free.proximal * free.reference) / df[k]);
+                } else if free.load != 0.0 {
+                    self.unbalanced.get_or_insert((i, k));
                 }
             }
         }
@@ -104,168 +100,100 @@ impl Lowered {
     }
 
     /// Adds the forces of an interaction and its limits. `imposed` are the known displacements.
-    fn add_interaction(&mut self, program: &ConeProgram, c: &Interaction, imposed: &[[f64; 3]]) {
-        let (du, df) = program.scales.units();
-        let length = program.scales.length;
-        let stiffness = program.scales.force / program.scales.displacement;
-        self.columns.push(self.linear.len());
-        let e = program.kinematics(c, imposed);
-        let l = &c.limits;
-        let linear = (c.offset - e[0]) / du[0];
-        let p = self.add_force(program, c, 0, c.normal_compliance * stiffness, linear);
-        if l.has_shear() {
-            let linear = -(e[1] + c.tangential_compliance * c.previous_shear) / du[0];
-            let q = self.add_force(program, c, 1, c.tangential_compliance * stiffness, linear);
-            for sign in [1.0, -1.0] {
-                let row = self.right.len();
-                self.matrix.push(row, q, sign);
-                self.matrix.push(row, p, -l.friction);
-                self.right.push(l.cohesion / df[0]);
-            }
-        }
-        if l.has_rolling() {
-            let linear = -(e[2] + c.rolling_compliance * c.previous_moment) / du[2];
-            let quadratic = c.rolling_compliance * df[2] / du[2];
-            let tau = self.add_force(program, c, 2, quadratic, linear);
-            for sign in [1.0, -1.0] {
-                let row = self.right.len();
-                self.matrix.push(row, tau, sign);
-                self.matrix.push(row, p, -l.rolling / length);
-                self.right.push(l.moment / df[2]);
-            }
-        }
-        if l.has_tension_row() {
-            self.matrix.push(self.right.len(), p, -1.0);
-            self.right.push(l.tension / df[0]);
-        }
-    }
-
-    /// Adds the column of a force (0 for p, 1 for q, 2 for tau), and returns its index.
-    fn add_force(
+    fn add_interaction(
         &mut self,
         program: &ConeProgram,
         c: &Interaction,
-        force: usize,
-        quadratic: f64,
-        linear: f64,
-    ) -> usize {
-        let (_, df) = program.scales.units();
-        let column = self.linear.len();
-        self.linear.push(linear);
-        self.quadratic.push(quadratic);
-        let of =
-            |body: u32, first| (body as usize, c.rows(program.bodies[body as usize].axis, first));
-        let cell = program.rows_of_cell(c);
-        for (body, rows) in [of(c.a, true), of(c.b, false)].into_iter().chain(cell) {
-            for dof in 0..3 {
-                if let Some(row) = self.rows[body][dof] {
-                    // Units of moments and arms: rows are divided by df, columns multiplied.
-                    let value = rows[dof][force] * df[force_unit(force)] / df[dof];
-                    self.matrix.push(row, column, value);
-                }
-            }
-        }
-        column
-    }
-
-    /// Adds the columns of inertia and regularisation.
-    fn add_weights(&mut self, program: &ConeProgram) {
+        imposed: &[[f64; 3]],
+        entries: &mut Triplets,
+    ) {
         let (du, df) = program.scales.units();
-        for (i, body) in program.bodies.iter().enumerate() {
-            for k in 0..3 {
-                if let (Dof::Free(free), Some(row)) = (&body.dofs[k], self.rows[i][k]) {
-                    let weight = (free.inertia + free.proximal) * du[k] / df[k];
-                    if weight > 0.0 {
-                        let column = self.linear.len();
-                        self.linear.push(0.0);
-                        self.quadratic.push(1.0);
-                        self.matrix.push(row, column, weight.sqrt());
+        let l = &c.limits;
+        let e = program.kinematics(c, imposed);
+        let (q, tau) = (c.tangential_compliance, c.rolling_compliance);
+        let stiffness = program.scales.force / program.scales.displacement;
+        let columns = [
+            (true, c.normal_compliance * stiffness, (c.offset - e[0]) / du[0]),
+            (l.has_shear(), q * stiffness, -(e[1] + q * c.previous_shear) / du[0]),
+            (l.has_rolling(), tau * df[2] / du[2], -(e[2] + tau * c.previous_moment) / du[2]),
+        ];
+        let p = self.linear.len();
+        self.columns.push(p);
+        for (force, (_, quadratic, linear)) in
+            columns.into_iter().enumerate().filter(|(_, (exists, ..))| *exists)
+        {
+            let column = self.linear.len();
+            self.linear.push(linear);
+            self.quadratic.push(quadratic);
+            for (body, rows) in program.rows(c) {
+                for dof in 0..3 {
+                    // Units of moments and arms: rows are divided by df, columns multiplied.
+                    let value = rows[dof][force] * df[force] / df[dof];
+                    if let Some(row) = self.rows[body][dof].filter(|_| value != 0.0) {
+                        entries.push(row, column, value);
                     }
                 }
             }
         }
-    }
-}
-
-/// The unit of a force variable: 0 for forces, 2 for moments.
-fn force_unit(force: usize) -> usize {
-    if force == 2 { 2 } else { 0 }
-}
-
-/// Polishes a solution until its residual is at its goal or the guess of the active limits stays.
-pub(super) fn polish(
-    program: &ConeProgram,
-    low: &Lowered,
-    matrix: &CscMatrix<f64>,
-    start: Point,
-    settings: &PolishSettings,
-    solution: &mut ConeSolution,
-) {
-    let qp = QuadraticProgram {
-        quadratic: &low.quadratic,
-        linear: &low.linear,
-        matrix,
-        right: &low.right,
-        equalities: low.balance_rows,
-    };
-    let worst = |s: &ConeSolution| regularised_residuals(program, s).worst();
-    let mut best = worst(solution);
-    let mut active = qp.active(&start);
-    for pass in 0..settings.max_passes {
-        let Some(point) = qp.solve_active(&active, &start, settings) else { return };
-        let forces = forces(program, &low.columns, &point.x);
-        let displacements = displacements(program, &low.rows, &point.z);
-        let polished = ConeSolution { forces, displacements, ..Default::default() };
-        let now = worst(&polished);
-        // The negation also replaces a solution whose residual is NaN.
-        if now <= settings.residual || !(best <= now) {
-            best = now;
-            solution.forces = polished.forces;
-            solution.displacements = polished.displacements;
-            solution.message = format!(
-                "{}, polished {}",
-                solution.message.split(',').next().unwrap_or_default(),
-                pass + 1
-            );
+        let mut limit = |x: Option<(usize, f64)>, slope: f64, strength: f64| {
+            let row = self.right.len();
+            for (column, value) in x.into_iter().chain([(p, -slope)]) {
+                if value != 0.0 {
+                    entries.push(row, column, value);
+                }
+            }
+            self.right.push(strength);
+        };
+        for sign in [1.0, -1.0].into_iter().filter(|_| l.has_shear()) {
+            limit(Some((p + 1, sign)), l.friction, l.cohesion / df[0]);
         }
-        if best <= settings.residual {
-            return;
+        let rolling = p + 1 + usize::from(l.has_shear());
+        for sign in [1.0, -1.0].into_iter().filter(|_| l.has_rolling()) {
+            limit(Some((rolling, sign)), l.rolling / program.scales.length, l.moment / df[2]);
         }
-        match qp.corrected(&active, &point) {
-            Some(next) => active = next,
-            None => return,
+        if l.has_tension_row() {
+            limit(None, 1.0, l.tension / df[0]);
         }
     }
-}
 
-pub(super) fn displacements(
-    program: &ConeProgram,
-    rows: &[[Option<usize>; 3]],
-    z: &[f64],
-) -> Vec<[f64; 3]> {
-    let (du, _) = program.scales.units();
-    let mut out = program.imposed();
-    for (u, rows) in out.iter_mut().zip(rows) {
-        for k in 0..3 {
-            if let Some(row) = rows[k] {
-                u[k] = -z[row] * du[k];
+    /// Adds the columns of inertia and regularisation.
+    fn add_weights(&mut self, program: &ConeProgram, entries: &mut Triplets) {
+        let (du, df) = program.scales.units();
+        for (body, rows) in program.bodies.iter().zip(&self.rows) {
+            for (k, free) in body.free() {
+                let weight = (free.inertia + free.proximal) * du[k] / df[k];
+                if let Some(row) = rows[k].filter(|_| weight > 0.0) {
+                    entries.push(row, self.linear.len(), weight.sqrt());
+                    self.linear.push(0.0);
+                    self.quadratic.push(1.0);
+                }
             }
         }
     }
-    out
-}
 
-pub(super) fn forces(program: &ConeProgram, columns: &[usize], x: &[f64]) -> Vec<[f64; 3]> {
-    let (_, df) = program.scales.units();
-    program
-        .interactions
-        .iter()
-        .zip(columns)
-        .map(|(c, &first)| {
+    /// The displacements that belong to multipliers.
+    pub(super) fn displacements(&self, program: &ConeProgram, z: &[f64]) -> Vec<[f64; 3]> {
+        let (du, _) = program.scales.units();
+        let mut out = program.imposed();
+        for (u, rows) in out.iter_mut().zip(&self.rows) {
+            for k in 0..3 {
+                if let Some(row) = rows[k] {
+                    u[k] = -z[row] * du[k];
+                }
+            }
+        }
+        out
+    }
+
+    /// The forces that belong to variables.
+    pub(super) fn forces(&self, program: &ConeProgram, x: &[f64]) -> Vec<[f64; 3]> {
+        let (_, df) = program.scales.units();
+        let of = |(c, &first): (&Interaction, &usize)| {
             let (shear, rolling) = (c.limits.has_shear(), c.limits.has_rolling());
             let q = if shear { x[first + 1] * df[0] } else { 0.0 };
             let tau = if rolling { x[first + 1 + usize::from(shear)] * df[2] } else { 0.0 };
             [x[first] * df[0], q, tau]
-        })
-        .collect()
+        };
+        program.interactions.iter().zip(&self.columns).map(of).collect()
+    }
 }

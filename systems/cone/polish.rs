@@ -18,6 +18,10 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettings};
 
+use super::lowering::{Lowered, Triplets};
+use super::residuals::regularised_residuals;
+use crate::program::{ConeProgram, ConeSolution};
+
 /// Defect that no refinement can lower: round-off of rows whose entries are of the order of 1.
 const ROUND_OFF: f64 = 1e-15;
 
@@ -52,76 +56,91 @@ impl Default for PolishSettings {
     }
 }
 
-/// `min 1/2 x' diag(P) x + q'x` subject to `A x + s = b`, `s = 0` on the first rows and `s >= 0`
-/// on the others.
-pub struct QuadraticProgram<'a> {
-    /// Diagonal of P.
-    pub quadratic: &'a [f64],
-    /// q.
-    pub linear: &'a [f64],
-    /// A.
-    pub matrix: &'a CscMatrix<f64>,
-    /// b.
-    pub right: &'a [f64],
-    /// Number of rows with s = 0.
-    pub equalities: usize,
+/// A primal and dual point: the variables x and the multipliers of the rows.
+#[derive(Clone)]
+pub(super) struct Point {
+    pub(super) x: Vec<f64>,
+    pub(super) z: Vec<f64>,
 }
 
-/// A primal and dual point.
-#[derive(Clone, Debug)]
-pub struct Point {
-    /// Variables x.
-    pub x: Vec<f64>,
-    /// Multipliers of the rows.
-    pub z: Vec<f64>,
+/// Polishes a solution until its residual is at its goal or the guess of the active limits stays.
+pub(super) fn polish(
+    program: &ConeProgram,
+    low: &Lowered,
+    start: &Point,
+    settings: &PolishSettings,
+    solution: &mut ConeSolution,
+) {
+    let worst = |s: &ConeSolution| regularised_residuals(program, s).worst();
+    let mut best = worst(solution);
+    let mut active = low.active(start);
+    for pass in 0..settings.max_passes {
+        let Some(point) = low.solve_active(&active, start, settings) else { return };
+        let forces = low.forces(program, &point.x);
+        let displacements = low.displacements(program, &point.z);
+        let polished = ConeSolution { forces, displacements, ..Default::default() };
+        let now = worst(&polished);
+        // The negation also replaces a solution whose residual is NaN.
+        if now <= settings.residual || !(best <= now) {
+            best = now;
+            solution.forces = polished.forces;
+            solution.displacements = polished.displacements;
+            solution.message = format!(
+                "{}, polished {}",
+                solution.message.split(',').next().unwrap_or_default(),
+                pass + 1
+            );
+        }
+        if best <= settings.residual {
+            return;
+        }
+        match low.corrected(&active, &point) {
+            Some(next) => active = next,
+            None => return,
+        }
+    }
 }
 
-impl QuadraticProgram<'_> {
+impl Lowered {
     /// Slacks `b - A x`.
     fn slacks(&self, x: &[f64]) -> Vec<f64> {
-        let mut s = self.right.to_vec();
-        for (column, &x) in x.iter().enumerate() {
-            for k in self.matrix.colptr[column]..self.matrix.colptr[column + 1] {
-                s[self.matrix.rowval[k]] -= self.matrix.nzval[k] * x;
-            }
+        let mut s = self.right.clone();
+        for (row, column, value) in entries(&self.matrix) {
+            s[row] -= value * x[column];
         }
         s
     }
 
     /// The active limits of a point: those whose multiplier exceeds their slack.
-    #[must_use]
-    pub fn active(&self, point: &Point) -> Vec<bool> {
+    fn active(&self, point: &Point) -> Vec<bool> {
         let s = self.slacks(&point.x);
-        s.iter().zip(&point.z).enumerate().map(|(i, (s, z))| i < self.equalities || z > s).collect()
+        let both = s.iter().zip(&point.z).enumerate();
+        both.map(|(i, (s, z))| i < self.balance_rows || z > s).collect()
     }
 
     /// Solves with the given rows as equalities and all others absent, from `start`. `None` if
     /// the factorisation or the refinement fails.
-    #[must_use]
-    pub fn solve_active(
+    fn solve_active(
         &self,
         active: &[bool],
         start: &Point,
         settings: &PolishSettings,
     ) -> Option<Point> {
         let n = self.linear.len();
-        let mut row_of = vec![usize::MAX; self.right.len()];
-        let mut rows = Vec::new();
-        for (i, _) in active.iter().enumerate().filter(|(_, a)| **a) {
-            row_of[i] = n + rows.len();
-            rows.push(i);
-        }
-        let size = n + rows.len();
-        let mut factor = self.factorise(&row_of, size, settings.regularisation)?;
+        let rows: Vec<usize> = (0..active.len()).filter(|i| active[*i]).collect();
+        let upper = self.equations(&rows);
+        let mut factor = factorise(&upper, n, settings.regularisation)?;
+        let right: Vec<f64> =
+            self.linear.iter().map(|q| -q).chain(rows.iter().map(|i| self.right[*i])).collect();
 
         let mut y = start.x.clone();
         y.extend(rows.iter().map(|i| start.z[*i]));
-        let (mut defect, mut error) = self.defect(&y, &row_of, &rows);
+        let (mut defect, mut error) = defect(&upper, &right, &y);
         while error > ROUND_OFF {
             let mut step = defect;
             factor.solve(&mut step);
             let next: Vec<f64> = y.iter().zip(&step).map(|(y, d)| y + d).collect();
-            let (next_defect, next_error) = self.defect(&next, &row_of, &rows);
+            let (next_defect, next_error) = self::defect(&upper, &right, &next);
             if !next_error.is_finite() || next_error > settings.progress * error {
                 // No further progress: round-off, or a guess without a solution.
                 if next_error < error {
@@ -132,78 +151,75 @@ impl QuadraticProgram<'_> {
             (y, defect, error) = (next, next_defect, next_error);
         }
         let mut z = vec![0.0; self.right.len()];
-        for (k, i) in rows.iter().enumerate() {
-            z[*i] = y[n + k];
+        for (i, y) in rows.iter().zip(&y[n..]) {
+            z[*i] = *y;
         }
         y.truncate(n);
         y.iter().chain(&z).all(|v| v.is_finite()).then_some(Point { x: y, z })
     }
 
+    /// The upper triangle of the matrix of the equations, with these rows. It has a whole diagonal.
+    fn equations(&self, rows: &[usize]) -> CscMatrix<f64> {
+        let n = self.linear.len();
+        let mut row_of = vec![None; self.right.len()];
+        let mut triplets = Triplets::default();
+        for (column, p) in self.quadratic.iter().enumerate() {
+            triplets.push(column, column, *p);
+        }
+        for (place, row) in (n..).zip(rows) {
+            row_of[*row] = Some(place);
+            triplets.push(place, place, 0.0);
+        }
+        for (row, column, value) in entries(&self.matrix) {
+            if let Some(place) = row_of[row] {
+                triplets.push(column, place, value);
+            }
+        }
+        triplets.matrix(n + rows.len(), n + rows.len())
+    }
+
     /// The guess corrected by a point: limits whose multiplier has the wrong sign leave, limits
     /// that are violated enter. `None` if nothing changes.
-    #[must_use]
-    pub fn corrected(&self, active: &[bool], point: &Point) -> Option<Vec<bool>> {
+    fn corrected(&self, active: &[bool], point: &Point) -> Option<Vec<bool>> {
         let s = self.slacks(&point.x);
-        let next: Vec<bool> = (0..active.len())
-            .map(|i| i < self.equalities || if active[i] { point.z[i] >= 0.0 } else { s[i] < 0.0 })
-            .collect();
+        let is_active = |i: usize| if active[i] { point.z[i] >= 0.0 } else { s[i] < 0.0 };
+        let next: Vec<bool> =
+            (0..active.len()).map(|i| i < self.balance_rows || is_active(i)).collect();
         (next != active).then_some(next)
     }
+}
 
-    fn factorise(
-        &self,
-        row_of: &[usize],
-        size: usize,
-        shift: f64,
-    ) -> Option<QDLDLFactorisation<f64>> {
-        let n = self.linear.len();
-        let (mut i, mut j, mut v) = (Vec::new(), Vec::new(), Vec::new());
-        for column in 0..n {
-            i.push(column);
-            j.push(column);
-            v.push(self.quadratic[column] + shift);
-            for k in self.matrix.colptr[column]..self.matrix.colptr[column + 1] {
-                let row = row_of[self.matrix.rowval[k]];
-                if row != usize::MAX {
-                    i.push(column);
-                    j.push(row);
-                    v.push(self.matrix.nzval[k]);
-                }
-            }
-        }
-        for row in n..size {
-            i.push(row);
-            j.push(row);
-            v.push(-shift);
-        }
-        let upper = CscMatrix::new_from_triplets(size, size, i, j, v);
-        let signs = (0..size).map(|k| if k < n { 1 } else { -1 }).collect();
-        let settings = QDLDLSettings { Dsigns: Some(signs), ..QDLDLSettings::default() };
-        QDLDLFactorisation::new(&upper, Some(settings)).ok()
-    }
+/// Row, column and value of the entries of a matrix, column by column.
+fn entries(matrix: &CscMatrix<f64>) -> impl Iterator<Item = (usize, usize, f64)> {
+    let of_column = |column: usize| matrix.colptr[column]..matrix.colptr[column + 1];
+    (0..matrix.n).flat_map(move |column| {
+        of_column(column).map(move |k| (matrix.rowval[k], column, matrix.nzval[k]))
+    })
+}
 
-    /// Right side less the matrix times y, and the maximum magnitude of its entries.
-    fn defect(&self, y: &[f64], row_of: &[usize], rows: &[usize]) -> (Vec<f64>, f64) {
-        let n = self.linear.len();
-        let mut r: Vec<f64> =
-            self.linear.iter().map(|q| -q).chain(rows.iter().map(|i| self.right[*i])).collect();
-        for column in 0..n {
-            r[column] -= self.quadratic[column] * y[column];
-            for k in self.matrix.colptr[column]..self.matrix.colptr[column + 1] {
-                let row = row_of[self.matrix.rowval[k]];
-                if row != usize::MAX {
-                    r[column] -= self.matrix.nzval[k] * y[row];
-                    r[row] -= self.matrix.nzval[k] * y[column];
-                }
-            }
-        }
-        let mut error = 0.0_f64;
-        for r in &r {
-            error = if r.is_finite() { error.max(r.abs()) } else { f64::NAN };
-            if error.is_nan() {
-                break;
-            }
-        }
-        (r, error)
+/// Factor of the equations with `shift` added to the first `n` numbers of the diagonal, and
+/// subtracted from the others.
+fn factorise(upper: &CscMatrix<f64>, n: usize, shift: f64) -> Option<QDLDLFactorisation<f64>> {
+    let mut shifted = upper.clone();
+    let signs: Vec<i8> = (0..upper.n).map(|k| if k < n { 1 } else { -1 }).collect();
+    for (sign, end) in signs.iter().zip(&upper.colptr[1..]) {
+        shifted.nzval[end - 1] += f64::from(*sign) * shift;
     }
+    let settings = QDLDLSettings { Dsigns: Some(signs), ..QDLDLSettings::default() };
+    QDLDLFactorisation::new(&shifted, Some(settings)).ok()
+}
+
+/// Right side less the matrix times y, and the maximum magnitude of its entries.
+fn defect(upper: &CscMatrix<f64>, right: &[f64], y: &[f64]) -> (Vec<f64>, f64) {
+    let mut r = right.to_vec();
+    for (row, column, value) in entries(upper) {
+        r[row] -= value * y[column];
+        if row != column {
+            r[column] -= value * y[row];
+        }
+    }
+    let larger =
+        |m: f64, x: &f64| if x.is_finite() && !m.is_nan() { m.max(x.abs()) } else { f64::NAN };
+    let error = r.iter().fold(0.0, larger);
+    (r, error)
 }

@@ -164,18 +164,22 @@ impl ConeProgram {
     /// Adds `G f` to `rows`, indexed by body and degree of freedom in the bodies' own axes.
     pub fn add_forces(&self, forces: &[[f64; 3]], rows: &mut [[f64; 3]]) {
         for (c, f) in self.interactions.iter().zip(forces) {
-            for (body, first) in [(c.a as usize, true), (c.b as usize, false)] {
-                let g = c.rows(self.bodies[body].axis, first);
+            for (body, g) in self.rows(c) {
                 for (row, g) in rows[body].iter_mut().zip(&g) {
                     *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
                 }
             }
-            if let Some((cell, g)) = self.rows_of_cell(c) {
-                for (row, g) in rows[cell].iter_mut().zip(&g) {
-                    *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
-                }
-            }
         }
+    }
+
+    /// The bodies on which an interaction acts, the cell among them, with the coefficients of (p, q,
+    /// tau) in their balance rows.
+    pub fn rows(&self, c: &Interaction) -> impl Iterator<Item = (usize, [[f64; 3]; 3])> {
+        let of = |body: u32, first| {
+            let body = body as usize;
+            (body, c.rows(self.bodies[body].axis, first))
+        };
+        [of(c.a, true), of(c.b, false)].into_iter().chain(self.rows_of_cell(c))
     }
 
     /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for
@@ -188,12 +192,6 @@ impl ConeProgram {
         Some((body, cell.rows(c.image, self.bodies[body].axis, &[x, y])))
     }
 
-    /// Whether the deformation of the cell is not known.
-    #[must_use]
-    pub fn has_free_cell(&self) -> bool {
-        self.cell.is_some_and(|cell| self.bodies[cell.body as usize].is_free())
-    }
-
     /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,
     /// so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
     /// then appears in the displacements, of which the residuals are computed.
@@ -201,12 +199,8 @@ impl ConeProgram {
         let mut rows = vec![[0.0; 3]; self.bodies.len()];
         self.add_forces(&solution.forces, &mut rows);
         for ((body, row), u) in self.bodies.iter().zip(&rows).zip(&mut solution.displacements) {
-            for k in 0..3 {
-                if let Dof::Free(free) = &body.dofs[k]
-                    && free.inertia > 0.0
-                {
-                    u[k] = (free.load - row[k]) / free.inertia;
-                }
+            for (k, free) in body.free().filter(|(_, free)| free.inertia > 0.0) {
+                u[k] = (free.load - row[k]) / free.inertia;
             }
         }
     }
@@ -221,25 +215,24 @@ impl ConeProgram {
     /// Whether any body was in motion when the increment began.
     #[must_use]
     pub fn has_momentum(&self) -> bool {
-        let moves = |dof: &Dof| matches!(dof, Dof::Free(f) if f.momentum != 0.0);
-        self.bodies.iter().any(|body| body.dofs.iter().any(moves))
+        self.free().any(|free| free.momentum != 0.0)
     }
 
     /// Whether every free degree of freedom has a weight: inertia or regularisation.
     #[must_use]
     pub fn is_damped(&self) -> bool {
-        let is_held = |dof: &Dof| match dof {
-            Dof::Fixed(_) => true,
-            Dof::Free(free) => free.inertia + free.proximal > 0.0,
-        };
-        self.bodies.iter().all(|body| body.dofs.iter().all(is_held))
+        self.free().all(|free| free.inertia + free.proximal > 0.0)
     }
 
     /// Whether any body has inertia.
     #[must_use]
     pub fn is_dynamic(&self) -> bool {
-        let inert = |dof: &Dof| matches!(dof, Dof::Free(f) if f.inertia > 0.0);
-        self.bodies.iter().any(|body| body.dofs.iter().any(inert))
+        self.free().any(|free| free.inertia > 0.0)
+    }
+
+    /// The free degrees of freedom of all bodies.
+    fn free(&self) -> impl Iterator<Item = &FreeDof> {
+        self.bodies.iter().flat_map(|body| body.free().map(|(_, free)| free))
     }
 
     /// Number of force variables, balance rows and limit rows that a solver needs.
@@ -248,17 +241,13 @@ impl ConeProgram {
         let mut size = ProgramSize { forces: 0, inertias: 0, balance_rows: 0, limit_rows: 0 };
         for c in &self.interactions {
             let l = &c.limits;
-            size.forces += 1 + usize::from(l.has_shear()) + usize::from(l.has_rolling());
+            size.forces += l.forces().into_iter().filter(|has| *has).count();
             size.limit_rows += 2 * usize::from(l.has_shear())
                 + 2 * usize::from(l.has_rolling())
                 + usize::from(l.has_tension_row());
         }
-        for dof in self.bodies.iter().flat_map(|b| &b.dofs) {
-            if let Dof::Free(f) = dof {
-                size.balance_rows += 1;
-                size.inertias += usize::from(f.inertia + f.proximal > 0.0);
-            }
-        }
+        size.balance_rows = self.free().count();
+        size.inertias = self.free().filter(|f| f.inertia + f.proximal > 0.0).count();
         size
     }
 }

@@ -88,7 +88,7 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             )));
         }
         let l = &c.limits;
-        let numbers = [
+        let signed = [
             c.normal.x,
             c.normal.y,
             c.arm_a,
@@ -96,25 +96,11 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             c.normal_arm_a,
             c.normal_arm_b,
             c.offset,
-            c.normal_compliance,
-            c.tangential_compliance,
             c.previous_shear,
-            c.rolling_compliance,
             c.previous_moment,
-            l.cohesion,
-            l.friction,
-            l.tension,
-            l.rolling,
-            l.moment,
             c.image.x,
             c.image.y,
         ];
-        if numbers.iter().any(|x| !x.is_finite()) {
-            return Err(MalformedProgram(format!(
-                "interaction {k} of bodies {} and {} has a number that is not finite",
-                c.a, c.b
-            )));
-        }
         let not_negative = [
             c.normal_compliance,
             c.tangential_compliance,
@@ -125,12 +111,17 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             l.rolling,
             l.moment,
         ];
-        if not_negative.iter().any(|x| *x < 0.0) {
-            return Err(MalformedProgram(format!(
-                "interaction {k} of bodies {} and {} has a negative compliance or limit",
-                c.a, c.b
-            )));
-        }
+        let mistake = if signed.iter().chain(&not_negative).any(|x| !x.is_finite()) {
+            "number that is not finite"
+        } else if not_negative.iter().any(|x| *x < 0.0) {
+            "negative compliance or limit"
+        } else {
+            continue;
+        };
+        return Err(MalformedProgram(format!(
+            "interaction {k} of bodies {} and {} has a {mistake}",
+            c.a, c.b
+        )));
     }
     Ok(())
 }

@@ -113,11 +113,12 @@ impl Images {
         self.spread(u);
     }
 
-    /// Displacement of image `k` by that of the cell.
-    fn by_cell(&self, k: usize, u: &[[f64; 3]]) -> DVec2 {
-        let (cell, axis) = (&u[self.cell], self.axis);
-        let own: [f64; 3] = std::array::from_fn(|d| if self.of_cell[d] { cell[d] } else { 0.0 });
-        let v = axis * own[0] + axis.perp() * own[1];
+    /// Displacement of image `k` by the known or the unknown displacements of the cell.
+    fn by_cell(&self, k: usize, u: &[[f64; 3]], known: bool) -> DVec2 {
+        let cell = &u[self.cell];
+        let own: [f64; 3] =
+            std::array::from_fn(|d| if self.of_cell[d] == known { 0.0 } else { cell[d] });
+        let v = self.axis * own[0] + self.axis.perp() * own[1];
         self.law.shift(self.list[k].shift, [v.x, v.y, own[2]])
     }
 
@@ -125,7 +126,7 @@ impl Images {
     /// their bodies and of the cell.
     pub fn spread(&self, u: &mut [[f64; 3]]) {
         for (k, image) in self.list.iter().enumerate() {
-            let shift = self.by_cell(k, u);
+            let shift = self.by_cell(k, u, false);
             let of = u[image.of];
             let own: [f64; 3] = std::array::from_fn(|d| if self.free[k][d] { of[d] } else { 0.0 });
             u[self.bodies + k] = [own[0] + shift.x, own[1] + shift.y, own[2]];
@@ -164,22 +165,16 @@ impl Images {
         place.checked_sub(self.bodies).filter(|k| *k < self.list.len())
     }
 
-    /// The kinematics that the known displacements of the cell give image `k` with these rows.
-    pub fn known_by_cell(&self, k: usize, known: &[[f64; 3]], rows: &[[f64; 3]; 3]) -> [f64; 3] {
-        let shift = self.law.shift(self.list[k].shift, self.masked_cell(&known[self.cell]));
-        std::array::from_fn(|f| rows[0][f] * shift.x + rows[1][f] * shift.y)
-    }
-
-    /// Known displacements of the cell in global axes.
-    fn masked_cell(&self, known: &[f64; 3]) -> [f64; 3] {
-        let own: [f64; 3] = std::array::from_fn(|d| if self.of_cell[d] { 0.0 } else { known[d] });
-        let v = self.axis * own[0] + self.axis.perp() * own[1];
-        [v.x, v.y, own[2]]
-    }
-
-    /// The kinematics that the displacements of the cell give image `k` with these rows.
-    pub fn kinematics_by_cell(&self, k: usize, u: &[[f64; 3]], rows: &[[f64; 3]; 3]) -> [f64; 3] {
-        let shift = self.by_cell(k, u);
+    /// The kinematics that the known or the unknown displacements of the cell give image `k` with
+    /// these rows.
+    pub fn kinematics_by_cell(
+        &self,
+        k: usize,
+        u: &[[f64; 3]],
+        known: bool,
+        rows: &[[f64; 3]; 3],
+    ) -> [f64; 3] {
+        let shift = self.by_cell(k, u, known);
         std::array::from_fn(|f| rows[0][f] * shift.x + rows[1][f] * shift.y)
     }
 }

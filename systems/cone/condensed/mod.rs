@@ -15,7 +15,6 @@
 
 pub mod images;
 pub mod interior;
-mod line_search;
 mod local;
 pub mod matrix;
 mod newton;
@@ -36,8 +35,8 @@ pub mod warm;
 
 use crate::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use self::matrix::BodyMatrix;
-use self::posed::{Demand, Posed, Start};
+use self::matrix::{Cholesky, Kept};
+use self::posed::{Demand, Posed};
 use self::reduced::Reduced;
 pub use self::settings::CondensedSettings;
 use super::residuals::choose_displacements;
@@ -53,8 +52,7 @@ const MIN_FORCE: f64 = 1e-3;
 /// The condensed solver. It keeps the matrix of the last pairs and the last solution.
 pub struct Condensed {
     settings: CondensedSettings,
-    pairs: Vec<(u32, u32)>,
-    matrix: Option<BodyMatrix>,
+    matrix: Kept<Cholesky>,
     /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
 }
@@ -69,7 +67,7 @@ impl Condensed {
     /// A solver with these settings.
     #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
-        Self { settings, pairs: Vec::new(), matrix: None, last: Vec::new() }
+        Self { settings, matrix: Kept::default(), last: Vec::new() }
     }
 }
 
@@ -184,46 +182,28 @@ impl Condensed {
         {
             return solution;
         }
-        let Some(matrix) = prepare(&mut self.matrix, &mut self.pairs, program) else {
+        let Some(matrix) = self.matrix.of(program) else {
             let message = "no order of elimination was found".to_owned();
             return ConeSolution { message, ..ConeSolution::default() };
         };
         let mut posed = Posed::new(program, &self.settings, matrix, demand);
-        let mut start = Start { displacements: posed.in_units(start), forces: None };
+        let (mut start, mut forces) = (posed.in_units(start), None);
         if newton::applies(&posed.scaled) {
-            let (result, solution) = posed.newton(&start.displacements, &mut iterations);
+            let (result, solution) = posed.newton(&start, &mut iterations);
             if solution.status == SolveStatus::Solved {
                 return solution;
             }
             // The point where the iteration gave up is mostly a better start than the last
             // solution.
-            start.displacements = result.u;
-        } else if warm::is_elastic_step(program, demand, &posed.scaled) {
+            start = result.u;
+        } else if warm::is_elastic_step(program, demand) {
             // The last step of the motion has moved the bodies to their present places: its forces
             // belong to a displacement of zero.
-            start.displacements = vec![[0.0; 3]; program.bodies.len()];
-            start.forces = Some(warm::last_forces(program));
+            start.fill([0.0; 3]);
+            forces = Some(warm::last_forces(program));
         }
-        posed.interior(&start, &mut iterations)
+        posed.interior(&start, forces.as_deref(), &mut iterations)
     }
-}
-
-/// The matrix with the pattern of a program; `None` if no order of elimination is found. It stays as
-/// it is while the `pairs` do.
-fn prepare<'a>(
-    matrix: &'a mut Option<BodyMatrix>,
-    known: &mut Vec<(u32, u32)>,
-    program: &ConeProgram,
-) -> Option<&'a mut BodyMatrix> {
-    let bodies = program.bodies.len();
-    let pairs = images::pairs(program);
-    let is_known = pairs.clone().eq(known.iter().copied())
-        && matrix.as_ref().is_some_and(|m| m.bodies() == bodies);
-    if !is_known {
-        *known = pairs.collect();
-        *matrix = BodyMatrix::new(bodies, known);
-    }
-    matrix.as_mut()
 }
 
 /// The solution with these forces, in units of the program's scales, and displacements, m and rad.
@@ -240,7 +220,7 @@ fn checked(
     let (_, df) = program.scales.units();
     let mut solution = ConeSolution {
         status: SolveStatus::Stalled,
-        forces: forces.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect(),
+        forces: forces.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect(),
         displacements,
         iterations,
         message: message.to_owned(),

@@ -31,6 +31,15 @@ pub fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
     if worth && !is_alone() { rayon::scope(|_| f()) } else { f() }
 }
 
+/// Calls two functions, on two threads if `worth` it.
+pub fn join<A: Send, B: Send>(
+    worth: bool,
+    a: impl FnOnce() -> A + Send,
+    b: impl FnOnce() -> B + Send,
+) -> (A, B) {
+    if worth && !is_alone() { rayon::join(a, b) } else { (a(), b()) }
+}
+
 /// The pieces of a slice at ascending ranges.
 pub fn split<T>(slice: &mut [T], ranges: impl Iterator<Item = Range<usize>>) -> Vec<&mut [T]> {
     let (mut pieces, mut rest, mut at) = (Vec::new(), slice, 0);

@@ -1,14 +1,13 @@
 //! A program in the units and the order of the matrix, and the methods that solve it there: the
 //! Newton iteration and the interior point.
 
-use super::interior::{self, End, Interior, Judge};
+use super::interior::{self, End, Interior, Judge, Warm};
 use super::local;
 use super::matrix::BodyMatrix;
 use super::newton::Newton;
 use super::parallel::in_pool;
 use super::scaled::Scaled;
 use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
-use super::warm::raised;
 use super::{ROUND_OFF, checked};
 use crate::certificate::{certificate, locks, proves};
 use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
@@ -54,22 +53,13 @@ impl Demand {
     }
 }
 
-/// Where the interior point begins, in units and order of the matrix.
-pub struct Start {
-    /// Displacements by body.
-    pub displacements: Vec<[f64; 3]>,
-    /// Forces by interaction; `None` for forces that follow from the displacements.
-    pub forces: Option<Vec<[f64; 3]>>,
-}
-
 /// A program in the units and the order of the matrix.
 pub struct Posed<'a> {
-    program: &'a ConeProgram,
     settings: &'a CondensedSettings,
     matrix: &'a mut BodyMatrix,
     demand: Demand,
-    order: Vec<usize>,
     is_shared: bool,
+    units: Units<'a>,
     /// The program in the units of its scales.
     pub scaled: Scaled,
 }
@@ -82,21 +72,26 @@ impl<'a> Posed<'a> {
         matrix: &'a mut BodyMatrix,
         demand: Demand,
     ) -> Self {
-        let order = matrix.order().to_vec();
-        let is_shared = matrix.is_shared();
-        let scaled = Scaled::new(program, &order);
-        matrix.set_images(&scaled.images);
-        Self { program, settings, matrix, demand, order, is_shared, scaled }
+        let units = Units {
+            program,
+            order: matrix.order().to_vec(),
+            tolerance: demand.tolerance,
+            is_held: program.is_damped(),
+            is_elastic: program.interactions.iter().all(|c| c.normal_compliance > 0.0),
+        };
+        let scaled = matrix.pose(program);
+        Self { settings, is_shared: matrix.is_shared(), matrix, demand, units, scaled }
     }
 
     /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
     /// far.
     pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
-        let (du, _) = self.program.scales.units();
+        let Units { program, order, .. } = &self.units;
+        let (du, _) = program.scales.units();
         let is_near = |u: &[f64; 3]| u[0].hypot(u[1]) <= self.settings.max_start * du[0];
         let in_units =
             |u: &[f64; 3]| if is_near(u) { [0, 1, 2].map(|k| u[k] / du[k]) } else { [0.0; 3] };
-        self.order.iter().map(|i| in_units(&start[*i])).collect()
+        order.iter().map(|i| in_units(&start[*i])).collect()
     }
 
     /// The Newton iteration with local elimination. Near rest, displacements of the iteration solve
@@ -107,7 +102,7 @@ impl<'a> Posed<'a> {
         let goal = self.demand.goal(margin);
         let (result, solution) = self.newton_to(start, goal, iterations);
         let is_enough = solution.status == SolveStatus::Solved || !result.converged;
-        if is_enough || !self.program.is_dynamic() {
+        if is_enough || !self.units.program.is_dynamic() {
             return (result, solution);
         }
         self.newton_to(&result.u, goal.min(MAX_BALANCE / margin), iterations)
@@ -120,21 +115,25 @@ impl<'a> Posed<'a> {
         goal: f64,
         iterations: &mut u32,
     ) -> (Newton, ConeSolution) {
-        let settings = self.settings;
-        let Self { scaled, matrix, .. } = self;
+        let Self { scaled, matrix, settings, units, .. } = self;
         let result = in_pool(self.is_shared, || {
             local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)
         });
         *iterations += result.iterations;
-        let units = Units::of(self.program, &self.order, self.demand.tolerance);
         let solution = units.solution(&result.u, &result.s, *iterations, "newton");
         (result, solution)
     }
 
-    /// The interior point: solved, collapsed, locked, or stalled at the limit of arithmetic. An exact
-    /// solution of a small program decides of every limit whether it is active.
-    pub fn interior(&mut self, start: &Start, iterations: &mut u32) -> ConeSolution {
-        let settings = self.settings;
+    /// The interior point from displacements and forces, which follow from the displacements if there
+    /// are none: solved, collapsed, locked, or stalled at the limit of arithmetic. An exact solution
+    /// of a small program decides of every limit whether it is active.
+    pub fn interior(
+        &mut self,
+        start: &[[f64; 3]],
+        forces: Option<&[[f64; 3]]>,
+        iterations: &mut u32,
+    ) -> ConeSolution {
+        let Self { scaled, matrix, settings, units, .. } = self;
         let residual = self.demand.goal_of_interior(settings);
         let Demand { tolerance, loose, large, at_once } = self.demand;
         let goal = if at_once {
@@ -142,14 +141,11 @@ impl<'a> Posed<'a> {
         } else if loose || large {
             interior::Goal::exact(residual)
         } else {
-            interior::Goal::exact(residual).decided(tolerance, is_rigid_plastic(self.program))
+            interior::Goal::exact(residual).decided(tolerance, is_rigid_plastic(units.program))
         };
-        let units = Units::of(self.program, &self.order, self.demand.tolerance);
-        let Self { scaled, matrix, .. } = self;
+        let warm = forces.map(|forces| Warm { forces, product: settings.warm_product });
         let (end, point) = in_pool(self.is_shared, || {
-            let warm = start.forces.as_deref().map(|f| raised(f, settings.warm_product));
-            let u = &start.displacements;
-            interior::solve(scaled, matrix, u, warm, &settings.interior, goal, &units)
+            interior::solve(scaled, matrix, start, warm, &settings.interior, goal, units)
         });
         *iterations += point.iterations;
         let mut found = units.solution(&point.u, &point.s, *iterations, "interior");
@@ -178,7 +174,7 @@ fn is_rigid_plastic(program: &ConeProgram) -> bool {
 /// The units and the order of the matrix, and the program that judges what is found in them.
 struct Units<'a> {
     program: &'a ConeProgram,
-    order: &'a [usize],
+    order: Vec<usize>,
     tolerance: f64,
     /// Whether a weight on every degree of freedom excludes a collapse.
     is_held: bool,
@@ -186,17 +182,12 @@ struct Units<'a> {
     is_elastic: bool,
 }
 
-impl<'a> Units<'a> {
-    fn of(program: &'a ConeProgram, order: &'a [usize], tolerance: f64) -> Self {
-        let is_elastic = program.interactions.iter().all(|c| c.normal_compliance > 0.0);
-        Self { program, order, tolerance, is_held: program.is_damped(), is_elastic }
-    }
-
+impl Units<'_> {
     /// Displacements in SI units and the order of the program.
     fn displacements(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let (du, _) = self.program.scales.units();
         let mut displacements = vec![[0.0; 3]; self.order.len()];
-        for (u, &i) in u.iter().zip(self.order) {
+        for (u, &i) in u.iter().zip(&self.order) {
             displacements[i] = [0, 1, 2].map(|k| u[k] * du[k]);
         }
         displacements
@@ -238,7 +229,7 @@ impl Judge for Units<'_> {
             return false;
         }
         let (_, df) = self.program.scales.units();
-        let s: Vec<_> = s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect();
+        let s: Vec<_> = s.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
         locks(self.program, &s)
     }
 }

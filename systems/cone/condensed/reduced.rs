@@ -25,13 +25,14 @@ pub struct Reduced {
 
 impl Reduced {
     /// `None` if the whole program remains. `at_rest` marks whole clusters of free bodies.
-    #[must_use]
     pub fn new(program: &ConeProgram, at_rest: Vec<bool>) -> Option<Self> {
         let free: Vec<bool> =
             program.bodies.iter().zip(&at_rest).map(|(b, rests)| b.is_free() && !rests).collect();
+        let free_cell =
+            program.cell.is_some_and(|cell| program.bodies[cell.body as usize].is_free());
         let stays = |c: &Interaction| {
             let [a, b] = [c.a as usize, c.b as usize];
-            let deforms = c.is_across() && program.has_free_cell();
+            let deforms = c.is_across() && free_cell;
             free[a] || free[b] || deforms || !(at_rest[a] || at_rest[b] || is_known(program, c))
         };
         if program.interactions.iter().all(stays) {
@@ -72,7 +73,6 @@ impl Reduced {
     }
 
     /// The solution of the whole program that follows from a solution of the reduced one.
-    #[must_use]
     pub fn expand(&self, program: &ConeProgram, part: ConeSolution) -> ConeSolution {
         let mut displacements = program.imposed();
         for (u, &i) in part.displacements.iter().zip(&self.bodies) {
@@ -131,7 +131,6 @@ fn alone(program: &ConeProgram, c: &Interaction) -> [f64; 3] {
         ..ConeProgram::default()
     };
     let (_, df) = program.scales.units();
-    let order: Vec<usize> = (0..pair.bodies.len()).collect();
-    let s = RollingSpring::new(&Scaled::new(&pair, &order).locals[0]).respond([0.0; 3]).s;
-    [s[0] * df[0], s[1] * df[0], s[2] * df[2]]
+    let s = RollingSpring::new(&Scaled::natural(&pair).locals[0]).respond([0.0; 3]).s;
+    [0, 1, 2].map(|f| s[f] * df[f])
 }

@@ -4,8 +4,8 @@
 //! and one that slides has none along itself. A rigid contact has a small compliance, so that one
 //! matrix serves all programs.
 
-use super::matrix::BodyMatrix;
-use super::scaled::{Local, Scaled, add_forces};
+use super::matrix::{Cholesky, Kept};
+use super::scaled::Local;
 use crate::program::{ConeProgram, ConeSolution};
 use crate::residuals::Carrying;
 
@@ -16,10 +16,7 @@ const MIN_STIFFNESS: f64 = 1e-12;
 
 /// The matrix of the last program, kept while its pairs stay.
 #[derive(Default)]
-pub struct LinearResponse {
-    pairs: Vec<(u32, u32)>,
-    matrix: Option<BodyMatrix>,
-}
+pub struct LinearResponse(Kept<Cholesky>);
 
 impl LinearResponse {
     /// Displacements, m and rad, by body in its own axes, that balance the `loads`, N and N m, by
@@ -32,10 +29,9 @@ impl LinearResponse {
         loads: &[[f64; 3]],
         misfits: &[[f64; 2]],
     ) -> Option<Vec<[f64; 3]>> {
-        let matrix = super::prepare(&mut self.matrix, &mut self.pairs, program)?;
+        let matrix = self.0.of(program)?;
         let order = matrix.order().to_vec();
-        let scaled = Scaled::new(program, &order);
-        matrix.set_images(&scaled.images);
+        let scaled = matrix.pose(program);
         let (du, df) = program.scales.units();
         let carrying = Carrying::new(program, solution);
         let mut x = vec![[0.0; 3]; scaled.places()];
@@ -49,25 +45,16 @@ impl LinearResponse {
                 program.interactions[k].limits.has_strength() || carrying.is_carrying(k);
             if is_loaded {
                 let d = stiffness(program, solution, local, k);
-                values.add(k, &local.rows, &d);
+                values.add(k, &local.arms.rows, &d);
                 let e = misfits.get(k).map_or([0.0; 2], |e| [e[0] / du[0], e[1] / du[0]]);
                 let force = [d[0][0] * e[0], d[1][1] * e[1], 0.0];
-                add_forces(local.bodies.map(|i| i as u32), &local.rows, &force, -1.0, &mut x);
+                local.arms.add_forces(&force, -1.0, &mut x);
             }
         }
         let floor = MIN_STIFFNESS * matrix.max_diagonal().max(f64::MIN_POSITIVE);
-        let mut values = matrix.assembly();
-        for (i, free) in scaled.free.iter().enumerate() {
-            for k in 0..3 {
-                values.add_diagonal(i, k, if free[k] { scaled.weight[i][k] + floor } else { 1.0 });
-            }
-        }
+        matrix.assembly().add_weights(&scaled, floor);
         scaled.images.fold(&mut x);
-        for (x, free) in x.iter_mut().zip(&scaled.free) {
-            for k in (0..3).filter(|k| !free[*k]) {
-                x[k] = 0.0;
-            }
-        }
+        scaled.clear_fixed(&mut x);
         if !matrix.factorise_shifted_and_solve(&mut x[..order.len()]) {
             return None;
         }

@@ -12,7 +12,7 @@
 //! The right side falls with p, and a limit is active below `(|x_t| - s_x)/m_x`: the limits are
 //! active in the order of these numbers.
 
-use super::scaled::{Kind, Local};
+use super::scaled::Local;
 use super::spring::{Elastic, Response};
 
 /// The limit of q or of tau.
@@ -23,8 +23,6 @@ struct Limit {
     strength: f64,
     slope: f64,
 }
-
-const NONE: Limit = Limit { exists: false, strength: 0.0, slope: 0.0 };
 
 /// An elastic interaction with a rolling moment, or one without beside others that have one.
 #[derive(Clone, Copy, Debug)]
@@ -41,19 +39,12 @@ pub struct RollingSpring {
 
 impl Elastic<3> for RollingSpring {
     fn new(l: &Local) -> Self {
-        let pair =
-            |row: usize| Limit { exists: true, strength: l.right[row], slope: -l.limits[row][0] };
-        let (limits, tension) = match l.kind {
-            Kind::Normal => ([NONE; 2], l.right[0]),
-            Kind::Friction => ([pair(0), NONE], f64::INFINITY),
-            Kind::Bond => ([pair(0), NONE], l.right[2]),
-            Kind::Rolling => ([pair(0), pair(2)], f64::INFINITY),
-            Kind::Wheel => ([NONE, pair(0)], f64::INFINITY),
-        };
-        let mut lowest = -tension;
-        for limit in limits.iter().filter(|limit| limit.slope > 0.0) {
-            lowest = lowest.max(-limit.strength / limit.slope);
-        }
+        let limits = [0, 1].map(|x| Limit {
+            exists: l.has[x + 1],
+            strength: l.strengths[x + 1],
+            slope: l.slopes[x],
+        });
+        let lowest = l.lowest();
         Self { stiffness: l.compliance.map(|c| 1.0 / c), linear: l.linear, limits, lowest }
     }
 
@@ -130,7 +121,7 @@ mod tests {
         let limit =
             (prop::bool::weighted(0.8), 0.0..1.0_f64, prop_oneof![Just(0.0), 0.05..1.0_f64]);
         let limit = limit.prop_map(|(exists, strength, slope)| match (exists, slope) {
-            (false, _) => NONE,
+            (false, _) => Limit { exists, strength: 0.0, slope: 0.0 },
             // A limit without slope is one of cohesion alone.
             (true, 0.0) => Limit { exists, strength: strength + 0.1, slope: 0.0 },
             (true, slope) => Limit { exists, strength, slope },

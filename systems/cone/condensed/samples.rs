@@ -42,7 +42,6 @@ pub fn posed(program: &ConeProgram) -> (Scaled, BodyMatrix, Vec<usize>) {
     let pairs: Vec<_> = super::images::pairs(program).collect();
     let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
     let place = super::matrix::places(matrix.order());
-    let scaled = Scaled::new(program, matrix.order());
-    matrix.set_images(&scaled.images);
+    let scaled = matrix.pose(program);
     (scaled, matrix, place)
 }

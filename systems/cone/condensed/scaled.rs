@@ -4,7 +4,9 @@
 //! Interaction c: `min 1/2 s'Cs + l's`, `A s + w = b`, `w >= 0` with s = (p, q, tau); stationarity
 //! `l + C s - e(u) + A' lambda = 0`. Bodies: `m u + G s = f` on free degrees of freedom.
 
-use crate::program::{ConeProgram, Dof, Interaction, ProgramBody};
+use std::iter::repeat_n;
+
+use crate::program::{ConeProgram, Dof, Interaction, ProgramBody, Scales};
 
 use super::images::Images;
 use super::matrix::places;
@@ -29,41 +31,94 @@ pub enum Kind {
     Wheel,
 }
 
+/// The bodies of an interaction, and how they feel `F` forces.
+#[derive(Clone, Copy, Debug)]
+pub struct Arms<const F: usize> {
+    /// Places in the order of elimination; images come after all bodies.
+    pub bodies: [u32; 2],
+    /// Rows of the two bodies: `[body][dof][force]`, zero where the degree of freedom is fixed.
+    pub rows: [[[f64; F]; 3]; 2],
+}
+
+impl<const F: usize> Arms<F> {
+    /// Those of the first forces of an interaction.
+    #[must_use]
+    pub fn of(local: &Local) -> Self {
+        let Arms { bodies, rows } = local.arms;
+        Self { bodies, rows: rows.map(|rows| rows.map(|row| first(&row))) }
+    }
+
+    /// Kinematics `e = G'u`, without the part of fixed degrees of freedom.
+    #[inline]
+    #[must_use]
+    pub fn kinematics(&self, u: &[[f64; 3]]) -> [f64; F] {
+        let mut e = [0.0; F];
+        for (rows, body) in self.rows.iter().zip(self.bodies) {
+            let v = &u[body as usize];
+            for k in 0..3 {
+                for f in 0..F {
+                    e[f] += rows[k][f] * v[k];
+                }
+            }
+        }
+        e
+    }
+
+    /// Adds `sign G s` to the rows of free degrees of freedom.
+    #[inline]
+    pub fn add_forces(&self, s: &[f64; F], sign: f64, out: &mut [[f64; 3]]) {
+        self.add_forces_from(0, s, sign, out);
+    }
+
+    /// As [`add_forces`](Self::add_forces), to rows that begin with those of the body at the place
+    /// `first`.
+    #[inline]
+    pub fn add_forces_from(&self, first: u32, s: &[f64; F], sign: f64, out: &mut [[f64; 3]]) {
+        for (rows, body) in self.rows.iter().zip(self.bodies) {
+            let out = &mut out[(body - first) as usize];
+            for k in 0..3 {
+                let mut sum = 0.0;
+                for f in 0..F {
+                    sum += rows[k][f] * s[f];
+                }
+                out[k] += sign * sum;
+            }
+        }
+    }
+}
+
+/// The first of these numbers.
+pub fn first<const N: usize>(x: &[f64]) -> [f64; N] {
+    std::array::from_fn(|k| x[k])
+}
+
 /// One interaction.
 #[derive(Clone, Debug)]
 pub struct Local {
-    /// Bodies, by their places in the order of elimination; images come after all bodies.
-    pub bodies: [usize; 2],
+    /// Its bodies and their rows.
+    pub arms: Arms<3>,
     /// Its forces and limits.
     pub kind: Kind,
-    /// Rows of the two bodies: `[body][dof][force]`, zero where the degree of freedom is fixed.
-    pub rows: [[[f64; 3]; 3]; 2],
     /// Which of p, q, tau exist.
     pub has: [bool; 3],
     /// Compliances.
     pub compliance: [f64; 3],
     /// Linear terms, less the kinematics of the fixed degrees of freedom.
     pub linear: [f64; 3],
-    /// Limits: coefficients.
-    pub limits: [[f64; 3]; ROWS],
-    /// Limits: right sides.
-    pub right: [f64; ROWS],
-    /// Number of limits.
-    pub count: usize,
+    /// Slopes of the limits `|q| <= c + mu p` and `|tau| <= m_0 + m p`: mu and m, 0 without the force.
+    pub slopes: [f64; 2],
+    /// f_t, c and m_0.
+    pub strengths: [f64; 3],
 }
 
 impl Local {
     /// An interaction from the rows of its bodies and the kinematics of their fixed degrees of
     /// freedom.
-    fn new(
-        Units { du, df, stiffness, length }: &Units,
-        c: &Interaction,
-        bodies: [usize; 2],
-        rows: [[[f64; 3]; 3]; 2],
-        fixed: [f64; 3],
-    ) -> Self {
+    fn new(scales: &Scales, c: &Interaction, arms: Arms<3>, fixed: [f64; 3]) -> Self {
+        let (du, df) = scales.units();
+        let stiffness = scales.force / scales.displacement;
         let l = &c.limits;
-        let has = forces_of(c);
+        let has = l.forces();
         let kind = match (l.has_shear(), l.has_rolling()) {
             (false, false) => Kind::Normal,
             (true, false) if l.has_tension_row() => Kind::Bond,
@@ -72,10 +127,9 @@ impl Local {
             (false, true) => Kind::Wheel,
         };
         let of_moment = c.rolling_compliance * df[2] / du[2];
-        let mut local = Self {
-            bodies,
+        Self {
+            arms,
             kind,
-            rows,
             has,
             compliance: [
                 c.normal_compliance * stiffness,
@@ -92,65 +146,31 @@ impl Local {
                 },
                 if has[2] { -of_moment * c.previous_moment / df[2] - fixed[2] } else { -fixed[2] },
             ],
-            limits: [[0.0; 3]; ROWS],
-            right: [0.0; ROWS],
-            count: 0,
-        };
-        if l.has_shear() {
-            local.limit([-l.friction, 1.0, 0.0], l.cohesion / df[0]);
-            local.limit([-l.friction, -1.0, 0.0], l.cohesion / df[0]);
+            slopes: [l.friction, l.rolling / scales.length],
+            strengths: [l.tension / df[0], l.cohesion / df[1], l.moment / df[2]],
         }
-        if l.has_rolling() {
-            local.limit([-l.rolling / length, 0.0, 1.0], l.moment / df[2]);
-            local.limit([-l.rolling / length, 0.0, -1.0], l.moment / df[2]);
-        }
-        if l.has_tension_row() {
-            local.limit([-1.0, 0.0, 0.0], l.tension / df[0]);
-        }
-        local
     }
 
-    /// Adds a limit.
-    fn limit(&mut self, row: [f64; 3], right: f64) {
-        self.limits[self.count] = row;
-        self.right[self.count] = right;
-        self.count += 1;
-    }
-}
-
-/// Which of p, q, tau an interaction has.
-fn forces_of(c: &Interaction) -> [bool; 3] {
-    [true, c.limits.has_shear(), c.limits.has_rolling()]
-}
-
-/// Units of the scaled program, by degree of freedom where they are arrays.
-struct Units {
-    /// Displacements.
-    du: [f64; 3],
-    /// Forces.
-    df: [f64; 3],
-    /// Stiffness.
-    stiffness: f64,
-    /// Length.
-    length: f64,
-}
-
-impl Units {
-    fn of(program: &ConeProgram) -> Self {
-        let (du, df) = program.scales.units();
-        let s = &program.scales;
-        Self { du, df, stiffness: s.force / s.displacement, length: s.length }
+    /// Slope and strength of its limits: two of shear, two of rolling, that of tension where the others
+    /// do not imply it.
+    pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
+        let ([f_t, c, m_0], [mu, m]) = (self.strengths, self.slopes);
+        let [_, shear, rolling] = self.has.map(|has| if has { 2 } else { 0 });
+        let tension = usize::from(self.has_tension());
+        repeat_n((mu, c), shear)
+            .chain(repeat_n((m, m_0), rolling))
+            .chain(repeat_n((1.0, f_t), tension))
     }
 
-    /// The rows of a body in these units, for the forces that exist.
-    fn rows(&self, raw: &[[f64; 3]; 3], has: [bool; 3]) -> [[f64; 3]; 3] {
-        let df = &self.df;
-        std::array::from_fn(|k| {
-            std::array::from_fn(|f| {
-                let unit = if f == 2 { df[2] } else { df[0] };
-                if has[f] { raw[k][f] * unit / df[k] } else { 0.0 }
-            })
-        })
+    /// The minimum of p that the limits allow.
+    pub fn lowest(&self) -> f64 {
+        let limits = self.limits().filter(|(slope, _)| *slope > 0.0);
+        limits.map(|(slope, strength)| -strength / slope).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Whether tension has a limit of its own.
+    pub fn has_tension(&self) -> bool {
+        matches!(self.kind, Kind::Normal | Kind::Bond)
     }
 }
 
@@ -176,24 +196,30 @@ impl Scaled {
     /// program.
     #[must_use]
     pub fn new(program: &ConeProgram, order: &[usize]) -> Self {
-        let units = Units::of(program);
         let mut out = Self::default();
         let place = places(order);
         for body in order.iter().map(|body| &program.bodies[*body]) {
-            out.add_body(&units, body);
+            out.add_body(&program.scales, body);
         }
         out.images = Images::of(program, &place, &out.free);
         // Entries are large: a vector that grows would copy them.
         out.locals.reserve_exact(program.interactions.len());
         for (number, c) in program.interactions.iter().enumerate() {
-            let (bodies, rows, fixed) = out.rows(program, &units, &place, number, c);
-            out.locals.push(Local::new(&units, c, bodies, rows, fixed));
+            let (arms, fixed) = out.arms(program, &place, number, c);
+            out.locals.push(Local::new(&program.scales, c, arms, fixed));
         }
         out
     }
 
+    /// Scales a program in its own order.
+    #[must_use]
+    pub fn natural(program: &ConeProgram) -> Self {
+        Self::new(program, &(0..program.bodies.len()).collect::<Vec<_>>())
+    }
+
     /// Adds a body.
-    fn add_body(&mut self, Units { du, df, .. }: &Units, body: &ProgramBody) {
+    fn add_body(&mut self, scales: &Scales, body: &ProgramBody) {
+        let (du, df) = scales.units();
         let (mut free, mut weight, mut right, mut known) =
             ([false; 3], [0.0; 3], [0.0; 3], [0.0; 3]);
         for k in 0..3 {
@@ -212,42 +238,45 @@ impl Scaled {
         self.known.push(known);
     }
 
-    /// Places of the bodies of an interaction, their rows, and the kinematics of the fixed degrees
-    /// of freedom.
-    fn rows(
+    /// The bodies of an interaction with their rows, and the kinematics of the fixed degrees of
+    /// freedom.
+    fn arms(
         &self,
         program: &ConeProgram,
-        units: &Units,
         place: &[usize],
         number: usize,
         c: &Interaction,
-    ) -> ([usize; 2], [[[f64; 3]; 3]; 2], [f64; 3]) {
-        let has = forces_of(c);
-        let mut places = [c.a, c.b].map(|i| place[i as usize]);
+    ) -> (Arms<3>, [f64; 3]) {
+        let has = c.limits.forces();
+        let mut bodies = [c.a, c.b].map(|i| place[i as usize]);
         let mut rows = [[[0.0; 3]; 3]; 2];
         let mut fixed = [0.0; 3];
-        for (side, (body, first)) in [(c.a, true), (c.b, false)].into_iter().enumerate() {
-            let all = units.rows(&c.rows(program.bodies[body as usize].axis, first), has);
-            let body = places[side];
+        let (_, df) = program.scales.units();
+        let of = |body: u32, first| {
+            let raw = c.rows(program.bodies[body as usize].axis, first);
+            [0, 1, 2]
+                .map(|k| [0, 1, 2].map(|f| if has[f] { raw[k][f] * df[f] / df[k] } else { 0.0 }))
+        };
+        let all = [of(c.a, true), of(c.b, false)];
+        for (side, body) in bodies.into_iter().enumerate() {
             for k in 0..3 {
                 for f in 0..3 {
                     if self.free[body][k] {
-                        rows[side][k][f] = all[k][f];
+                        rows[side][k][f] = all[side][k][f];
                     } else {
-                        fixed[f] += all[k][f] * self.known[body][k];
+                        fixed[f] += all[side][k][f] * self.known[body][k];
                     }
                 }
             }
         }
         if let Some((k, _)) = self.images.at(number) {
-            let of_image = units.rows(&c.rows(program.bodies[c.b as usize].axis, false), has);
-            let by_cell = self.images.known_by_cell(k, &self.known, &of_image);
+            let by_cell = self.images.kinematics_by_cell(k, &self.known, true, &all[1]);
             for f in 0..3 {
                 fixed[f] += by_cell[f];
             }
-            (places[1], rows[1]) = (self.free.len() + k, of_image);
+            (bodies[1], rows[1]) = (self.free.len() + k, all[1]);
         }
-        (places, rows, fixed)
+        (Arms { bodies: bodies.map(|i| i as u32), rows }, fixed)
     }
 
     /// The displacements `u` of free degrees of freedom and the known ones of all others; those of
@@ -269,7 +298,8 @@ impl Scaled {
     /// The bodies of an interaction, whether or not the second takes part as an image.
     #[must_use]
     pub fn pair(&self, local: &Local) -> [usize; 2] {
-        [local.bodies[0], self.images.body(local.bodies[1])]
+        let [a, b] = local.arms.bodies;
+        [a as usize, self.images.body(b as usize)]
     }
 
     /// The interaction between two bodies that remains of one with an image if the cell is held at
@@ -277,13 +307,14 @@ impl Scaled {
     #[must_use]
     pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
         let mut out = local.clone();
-        if let Some(k) = self.images.number(local.bodies[1]) {
-            let by_cell = self.images.kinematics_by_cell(k, u, &local.rows[1]);
+        let Arms { bodies, rows } = &mut out.arms;
+        if let Some(k) = self.images.number(bodies[1] as usize) {
+            let by_cell = self.images.kinematics_by_cell(k, u, false, &rows[1]);
             for f in 0..3 {
                 out.linear[f] -= by_cell[f];
             }
-            out.bodies = self.pair(local);
-            (out.rows[1], _) = self.images.rows(k, &local.rows[1]);
+            *bodies = self.pair(local).map(|i| i as u32);
+            (rows[1], _) = self.images.rows(k, &rows[1]);
         }
         out
     }
@@ -301,11 +332,13 @@ impl Scaled {
         sum
     }
 
-    /// Whether every free degree of freedom has a weight: inertia or regularisation.
-    #[must_use]
-    pub fn is_damped(&self) -> bool {
-        let free = self.free.iter().flatten().zip(self.weight.iter().flatten());
-        free.filter(|(free, _)| **free).all(|(_, weight)| *weight > 0.0)
+    /// Sets the entries of fixed degrees of freedom to zero.
+    pub fn clear_fixed(&self, x: &mut [[f64; 3]]) {
+        for (x, free) in x.iter_mut().zip(&self.free) {
+            for k in (0..3).filter(|k| !free[*k]) {
+                x[k] = 0.0;
+            }
+        }
     }
 
     /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
@@ -320,52 +353,6 @@ impl Scaled {
                     0.0
                 };
             }
-        }
-    }
-
-    /// Kinematics `e = G'u` of an interaction, without the part of fixed degrees of freedom.
-    #[must_use]
-    pub fn kinematics(local: &Local, u: &[[f64; 3]]) -> [f64; 3] {
-        kinematics(local.bodies.map(|i| i as u32), &local.rows, u)
-    }
-}
-
-/// Kinematics of `F` forces with these rows, without the part of fixed degrees of freedom.
-#[inline]
-pub fn kinematics<const F: usize>(
-    bodies: [u32; 2],
-    rows: &[[[f64; F]; 3]; 2],
-    u: &[[f64; 3]],
-) -> [f64; F] {
-    let mut e = [0.0; F];
-    for (rows, body) in rows.iter().zip(bodies) {
-        let v = &u[body as usize];
-        for k in 0..3 {
-            for f in 0..F {
-                e[f] += rows[k][f] * v[k];
-            }
-        }
-    }
-    e
-}
-
-/// Adds `sign G s` of `F` forces with these rows to the rows of free degrees of freedom.
-#[inline]
-pub fn add_forces<const F: usize>(
-    bodies: [u32; 2],
-    rows: &[[[f64; F]; 3]; 2],
-    s: &[f64; F],
-    sign: f64,
-    out: &mut [[f64; 3]],
-) {
-    for (rows, body) in rows.iter().zip(bodies) {
-        let out = &mut out[body as usize];
-        for k in 0..3 {
-            let mut sum = 0.0;
-            for f in 0..F {
-                sum += rows[k][f] * s[f];
-            }
-            out[k] += sign * sum;
         }
     }
 }

@@ -13,11 +13,10 @@
 //! Only programs with inertia have sleeping bodies. In statics all displacements may vanish, and
 //! relative to them the round-off of a gap is not small.
 
-use crate::program::{ConeProgram, Dof, ProgramBody, Residuals, SlidingLaw};
-
-use super::super::residuals::Units;
 use super::settings::DEFAULT_RESIDUAL;
 use crate::adjacency::Adjacency;
+use crate::program::{ConeProgram, ProgramBody, Residuals, SlidingLaw};
+use crate::residuals::Units;
 
 /// Maximum residual of sleeping bodies: so small that it does not count beside that of the others.
 const MAX_RESIDUAL: f64 = 0.01 * DEFAULT_RESIDUAL;
@@ -53,13 +52,10 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     for (i, body) in program.bodies.iter().enumerate().filter(|(i, _)| free[*i]) {
         let mut left = Residuals::default();
         units.of_balance(body, &rows[i], &[0.0; 3], 1.0, &mut left);
-        let slow = (0..3).all(|k| match &body.dofs[k] {
-            Dof::Free(f) if f.inertia > 0.0 => {
-                let length = if k < 2 { 1.0 } else { units.length };
-                let motion = (f.load - rows[i][k]) / f.inertia * length;
-                motion.abs() <= MAX_RESIDUAL * units.displacement
-            }
-            _ => true,
+        let slow = body.free().filter(|(_, free)| free.inertia > 0.0).all(|(k, free)| {
+            let length = if k < 2 { 1.0 } else { units.length };
+            let motion = (free.load - rows[i][k]) / free.inertia * length;
+            motion.abs() <= MAX_RESIDUAL * units.displacement
         });
         if !(left.worst() <= MAX_RESIDUAL && slow) {
             rests[i] = false;

@@ -5,7 +5,7 @@
 //! `p = k_n (e_n - l_n)`, `q = k_t (e_t - l_t)` onto the limits `|q| <= c + mu p`, `p >= -f_t`, in
 //! the metric of the compliances.
 
-use super::scaled::{Kind, Local};
+use super::scaled::Local;
 
 /// An elastic interaction: stiffnesses and limits.
 #[derive(Clone, Copy, Debug)]
@@ -66,19 +66,12 @@ pub trait Elastic<const F: usize>: Copy + Send + Sync {
 
 impl Elastic<2> for Spring {
     fn new(l: &Local) -> Self {
-        let (friction, cohesion, tension) = match l.kind {
-            Kind::Normal => (0.0, 0.0, l.right[0]),
-            Kind::Bond => (-l.limits[0][0], l.right[0], l.right[2]),
-            Kind::Friction | Kind::Rolling | Kind::Wheel => {
-                (-l.limits[0][0], l.right[0], f64::INFINITY)
-            }
-        };
         Self {
             stiffness: [1.0 / l.compliance[0], 1.0 / l.compliance[1]],
             linear: [l.linear[0], l.linear[1]],
-            friction,
-            cohesion,
-            tension,
+            friction: l.slopes[0],
+            cohesion: l.strengths[1],
+            tension: if l.has_tension() { l.strengths[0] } else { f64::INFINITY },
             shears: l.has[1],
         }
     }

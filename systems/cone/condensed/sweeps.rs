@@ -14,8 +14,9 @@
 //! Sweeps are accelerated (Nesterov 1983), with a restart where a sweep goes back against the last
 //! step (O'Donoghue and Candes 2015).
 
-use super::scaled::{Kind, Local, Scaled, add_forces, kinematics};
-use crate::program::SlidingLaw;
+use super::scaled::{Arms, Local, Scaled, first};
+use super::warm::last_forces;
+use crate::program::{ConeProgram, Interaction, SlidingLaw};
 
 /// Number of sweeps.
 ///
@@ -29,8 +30,7 @@ const MIN_DIAGONAL: f64 = 1e-12;
 /// A contact without strength, with `F` forces: p, q and, where any contact rolls, tau. Its rows
 /// are over the roots of the weights of the bodies, so that a sweep needs no weights.
 struct Contact<const F: usize> {
-    bodies: [u32; 2],
-    rows: [[[f64; F]; 3]; 2],
+    arms: Arms<F>,
     compliance: [f64; F],
     linear: [f64; F],
     /// D: closing of the contact per unit of each force.
@@ -41,26 +41,24 @@ struct Contact<const F: usize> {
     slopes: [f64; F],
 }
 
-/// Whether sweeps can find the forces: all interactions are contacts without strength between
-/// bodies with weights.
+/// Whether sweeps can find the forces: all interactions are contacts without strength and without
+/// images between bodies with weights.
 #[must_use]
-pub fn applies(program: &Scaled) -> bool {
-    let without_strength = |right: &[f64]| right.iter().all(|x| *x == 0.0);
-    program.is_damped()
-        && program.locals.iter().all(|l| l.kind != Kind::Bond && without_strength(&l.right))
+pub fn applies(program: &ConeProgram) -> bool {
+    let is_contact = |c: &Interaction| !c.limits.has_strength() && c.limits.moment == 0.0;
+    program.cell.is_none() && program.is_damped() && program.interactions.iter().all(is_contact)
 }
 
-/// The forces after sweeps from `start`, and the displacements that balance them.
+/// The forces after sweeps from those of the last increment, and the displacements that balance them,
+/// in units of the scales.
 #[must_use]
-pub fn sweep(
-    program: &Scaled,
-    law: SlidingLaw,
-    start: &[[f64; 3]],
-) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
-    if program.locals.iter().any(|l| l.has[2]) {
-        accelerated::<3>(program, law, start)
+pub fn sweep(program: &ConeProgram, law: SlidingLaw) -> (Vec<[f64; 3]>, Vec<[f64; 3]>) {
+    let scaled = Scaled::natural(program);
+    let start = last_forces(program);
+    if scaled.locals.iter().any(|l| l.has[2]) {
+        accelerated::<3>(&scaled, law, &start)
     } else {
-        accelerated::<2>(program, law, start)
+        accelerated::<2>(&scaled, law, &start)
     }
 }
 
@@ -85,7 +83,7 @@ fn accelerated<const F: usize>(
     let balance = |s: &[[f64; F]], u: &mut [[f64; 3]]| {
         u.clone_from_slice(&loads);
         for (c, s) in contacts.iter().zip(s).filter(|(_, s)| s[0] != 0.0) {
-            add_forces(c.bodies, &c.rows, s, -1.0, u);
+            c.arms.add_forces(s, -1.0, u);
         }
     };
     let padded = |s: &[[f64; F]]| -> Vec<[f64; 3]> {
@@ -119,7 +117,13 @@ fn accelerated<const F: usize>(
             }
             *u = at;
         }
-        extrapolate(&mut y, &mut s, momentum);
+        for (y, s) in y.iter_mut().zip(&mut s) {
+            let at = *y;
+            for f in 0..F {
+                y[f] += momentum * (at[f] - s[f]);
+            }
+            *s = at;
+        }
         if against > 0.0 {
             t = 1.0;
             y.clone_from(&s);
@@ -135,45 +139,28 @@ fn accelerated<const F: usize>(
     (padded(&s), u)
 }
 
-/// Extrapolates the new points along their change from the last ones, and makes them the last
-/// points.
-fn extrapolate<const N: usize>(new: &mut [[f64; N]], last: &mut [[f64; N]], momentum: f64) {
-    for (new, last) in new.iter_mut().zip(last) {
-        let at = *new;
-        for k in 0..N {
-            new[k] += momentum * (at[k] - last[k]);
-        }
-        *last = at;
-    }
-}
-
 impl<const F: usize> Contact<F> {
     fn new(local: &Local, root: &[[f64; 3]]) -> Self {
-        let [a, b] = local.bodies;
-        let rows = [(local.rows[0], root[a]), (local.rows[1], root[b])]
-            .map(|(rows, root)| [0, 1, 2].map(|k| std::array::from_fn(|f| rows[k][f] * root[k])));
-        let compliance: [f64; F] = std::array::from_fn(|f| local.compliance[f]);
+        let mut arms = Arms::of(local);
+        let compliance: [f64; F] = first(&local.compliance);
         let mut diagonal = compliance;
-        for row in rows.as_flattened() {
-            let row: &[f64; F] = row;
-            for f in 0..F {
-                diagonal[f] += row[f] * row[f];
+        for (rows, body) in arms.rows.iter_mut().zip(arms.bodies) {
+            for (row, root) in rows.iter_mut().zip(root[body as usize]) {
+                for f in 0..F {
+                    row[f] *= root;
+                    diagonal[f] += row[f] * row[f];
+                }
             }
         }
         let diagonal = diagonal.map(|d| d.max(MIN_DIAGONAL));
-        // The slopes of limits stand in their rows, shear before rolling.
-        let shear = if local.has[1] { -local.limits[0][0] } else { 0.0 };
-        let rolling =
-            if local.has[2] { -local.limits[2 * usize::from(local.has[1])][0] } else { 0.0 };
-        let slopes = [1.0, shear, rolling];
+        let [shear, rolling] = local.slopes;
         Self {
-            bodies: local.bodies.map(|i| i as u32),
-            rows,
+            arms,
             compliance,
-            linear: std::array::from_fn(|f| local.linear[f]),
+            linear: first(&local.linear),
             diagonal,
             stiffness: diagonal.map(|d| 1.0 / d),
-            slopes: std::array::from_fn(|f| slopes[f]),
+            slopes: first(&[1.0, shear, rolling]),
         }
     }
 
@@ -187,7 +174,7 @@ impl<const F: usize> Contact<F> {
     /// Takes the contact to its solution, and its bodies along.
     #[inline]
     fn relax(&self, law: SlidingLaw, s: &mut [f64; F], u: &mut [[f64; 3]]) {
-        let e = kinematics(self.bodies, &self.rows, u);
+        let e = self.arms.kinematics(u);
         let mut trial = [0.0; F];
         for f in 0..F {
             let left = e[f] - self.linear[f] - self.compliance[f] * s[f];
@@ -205,7 +192,7 @@ impl<const F: usize> Contact<F> {
         }
         if any {
             *s = new;
-            add_forces(self.bodies, &self.rows, &change, -1.0, u);
+            self.arms.add_forces(&change, -1.0, u);
         }
     }
 
@@ -255,8 +242,7 @@ mod tests {
     #[test]
     fn projections_are_the_nearest_forces() {
         let contact = |slopes, diagonal| Contact::<3> {
-            bodies: [0, 1],
-            rows: [[[0.0; 3]; 3]; 2],
+            arms: Arms { bodies: [0, 1], rows: [[[0.0; 3]; 3]; 2] },
             compliance: [0.0; 3],
             linear: [0.0; 3],
             diagonal,

@@ -4,11 +4,10 @@
 
 use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
-use super::interior::{self, Interior};
+use super::interior::{self, Interior, Warm};
 use super::parallel::in_pool;
 use super::posed::Demand;
-use super::scaled::Scaled;
-use super::{Condensed, checked, prepare, sweeps};
+use super::{Condensed, checked, sweeps};
 
 impl Condensed {
     /// Solves the program from the forces of the last increment. `None` where that does not apply
@@ -19,14 +18,9 @@ impl Condensed {
         demand: Demand,
         iterations: &mut u32,
     ) -> Option<ConeSolution> {
-        // Without momentum the last forces do not belong to a continuing motion. Sweeps do not
-        // handle images.
-        if program.last_forces.is_empty() || !program.has_momentum() || program.cell.is_some() {
-            return None;
-        }
-        let natural: Vec<usize> = (0..program.bodies.len()).collect();
-        let scaled = Scaled::new(program, &natural);
-        if !sweeps::applies(&scaled) {
+        // Without momentum the last forces do not belong to a continuing motion.
+        let continues = !program.last_forces.is_empty() && program.has_momentum();
+        if !continues || !sweeps::applies(program) {
             return None;
         }
         let evaluate = |s: &[[f64; 3]], iterations: u32, message: &str| {
@@ -34,17 +28,16 @@ impl Condensed {
             let solution = checked(program, s, u, demand.tolerance, iterations, message);
             (solution.status == SolveStatus::Solved).then_some(solution)
         };
-        let (s, u) = sweeps::sweep(&scaled, SlidingLaw::Associated, &last_forces(program));
+        let (s, u) = sweeps::sweep(program, SlidingLaw::Associated);
         if let Some(solution) = evaluate(&s, *iterations, "sweeps") {
             return Some(solution);
         }
-        let matrix = prepare(&mut self.matrix, &mut self.pairs, program)?;
-        let order = matrix.order().to_vec();
+        let matrix = self.matrix.of(program)?;
         let is_shared = matrix.is_shared();
-        let own = Scaled::new(program, &order);
-        let start: Vec<[f64; 3]> = order.iter().map(|i| u[*i]).collect();
+        let own = matrix.pose(program);
+        let start: Vec<[f64; 3]> = matrix.order().iter().map(|i| u[*i]).collect();
         let goal = interior::Goal::enough(demand.goal_of_interior(&self.settings));
-        let warm = Some(raised(&s, self.settings.warm_product));
+        let warm = Some(Warm { forces: &s, product: self.settings.warm_product });
         let judge = |point: &Interior| evaluate(&point.s, 0, "").is_some();
         let (_, result) = in_pool(is_shared, || {
             interior::solve(&own, matrix, &start, warm, &self.settings.interior, goal, &judge)
@@ -54,21 +47,16 @@ impl Condensed {
     }
 }
 
-/// The start of the interior point with these forces, in units of the scales.
-pub(super) fn raised(forces: &[[f64; 3]], product: f64) -> interior::Warm<'_> {
-    interior::Warm { forces, product }
-}
-
 /// Whether a program is an elastic step of a followed motion: static, with a weight on every degree
 /// of freedom and a loose tolerance. The last forces are those after the preceding step.
 /// Elastic interactions carry them at zero displacement, so that only the balance is violated
 /// there. Forces of rigid interactions need not be unique.
-pub(super) fn is_elastic_step(program: &ConeProgram, demand: Demand, scaled: &Scaled) -> bool {
+pub(super) fn is_elastic_step(program: &ConeProgram, demand: Demand) -> bool {
     let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
     demand.loose
         && !program.last_forces.is_empty()
         && !program.is_dynamic()
-        && scaled.is_damped()
+        && program.is_damped()
         && is_elastic()
 }
 
@@ -76,7 +64,7 @@ pub(super) fn is_elastic_step(program: &ConeProgram, demand: Demand, scaled: &Sc
 /// where there was none.
 pub fn last_forces(program: &ConeProgram) -> Vec<[f64; 3]> {
     let (_, df) = program.scales.units();
-    let in_units = |f: &[f64; 3]| [f[0] / df[0], f[1] / df[0], f[2] / df[2]];
+    let in_units = |s: &[f64; 3]| [0, 1, 2].map(|f| s[f] / df[f]);
     let mut out: Vec<_> = program.last_forces.iter().map(in_units).collect();
     out.resize(program.interactions.len(), [0.0; 3]);
     out

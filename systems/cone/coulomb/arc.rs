@@ -104,30 +104,16 @@ pub fn follow(
 /// the square of those in the tangent.
 fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f64, f64) {
     let (mut along, mut square) = (0.0, 0.0);
-    let cells = system.cells.iter().zip(&z.cells).zip(tangent.cells.iter().zip(&step.cells));
-    for ((cell, x), (t, c)) in cells {
-        for q in cell.each_limit() {
-            for (x, t, c) in [(x.w[q], t.w[q], c.w[q]), (x.l[q], t.l[q], c.l[q])] {
-                along += t * c / (x * x);
-                square += t * t / (x * x);
-            }
-        }
+    let both = system.along(z, tangent).zip(system.along(z, step));
+    for ((x, t), (_, c)) in both.flat_map(|(t, c)| [(t[0], c[0]), (t[1], c[1])]) {
+        along += t * c / (x * x);
+        square += t * t / (x * x);
     }
     (along, square)
 }
 
 /// Maximum relative change of a slack or multiplier; NaN if any is NaN.
 fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
-    let mut largest = 0.0_f64;
-    for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
-        for q in cell.each_limit() {
-            for change in [(d.w[q] / x.w[q]).abs(), (d.l[q] / x.l[q]).abs()] {
-                if change.is_nan() {
-                    return change;
-                }
-                largest = largest.max(change);
-            }
-        }
-    }
-    largest
+    let changes = system.along(z, step).flatten().map(|(x, d)| (d / x).abs());
+    changes.fold(0.0, |m, x| if x <= m || m.is_nan() { m } else { x })
 }

@@ -3,7 +3,7 @@
 use crate::program::{Interaction, SlidingLaw};
 
 use super::super::condensed::interior::slack;
-use super::super::condensed::scaled::Local;
+use super::super::condensed::scaled::{Arms, Local};
 
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
 pub const LIMITS: usize = 5;
@@ -19,10 +19,8 @@ pub const LIMITS: usize = 5;
 /// w lambda = 0,   w >= 0,   lambda >= 0
 /// ```
 pub struct Cell {
-    pub bodies: [u32; 2],
-    /// Rows of the two bodies: `[body][dof][force]`, zero where the degree of freedom is fixed.
-    pub rows: [[[f64; 3]; 3]; 2],
-    compliance: [f64; 3],
+    pub arms: Arms<3>,
+    pub compliance: [f64; 3],
     linear: [f64; 3],
     /// mu and m.
     slopes: [f64; 2],
@@ -32,7 +30,7 @@ pub struct Cell {
     on: [bool; LIMITS],
     dilation: f64,
     /// Compliances that regularise the matrix and are no part of the law.
-    soft: [f64; 3],
+    pub soft: [f64; 3],
 }
 
 /// The entries of an interaction in a point, a step or a residual. In a residual they are the
@@ -57,34 +55,19 @@ pub struct Linear {
 }
 
 impl Cell {
-    /// The law of an interaction, scaled by `length`, m, and a unit of force, N.
-    pub fn new(local: &Local, c: &Interaction, length: f64, force: f64) -> Self {
-        let l = &c.limits;
+    /// The law of an interaction.
+    pub fn new(local: &Local, c: &Interaction) -> Self {
         let [_, shear, rolling] = local.has;
         Self {
-            bodies: local.bodies.map(|i| i as u32),
-            rows: local.rows,
+            arms: local.arms,
             compliance: local.compliance,
             linear: local.linear,
-            slopes: [l.friction, l.rolling / length],
-            strengths: [l.tension / force, l.cohesion / force, l.moment / (force * length)],
+            slopes: local.slopes,
+            strengths: local.strengths,
             on: [true, shear, shear, rolling, rolling],
             dilation: SlidingLaw::Coulomb.dilation(c),
             soft: [0.0; 3],
         }
-    }
-
-    /// Sets the compliances that regularise the matrix.
-    pub fn soften(&mut self, soft: [f64; 3]) {
-        self.soft = soft;
-    }
-
-    pub fn normal_compliance(&self) -> f64 {
-        self.compliance[0]
-    }
-
-    pub fn limits(&self) -> usize {
-        self.on.iter().filter(|on| **on).count()
     }
 
     /// The numbers of its limits.
@@ -106,32 +89,22 @@ impl Cell {
 
     /// Clamps forces to their limits, the normal force first.
     pub fn clamp(&self, s: &[f64; 3]) -> [f64; 3] {
-        let [f_t, c, m_0] = self.strengths;
-        let [_, shear, _, rolling, _] = self.on;
+        let [f_t, ..] = self.strengths;
         let mut p = s[0].max(-f_t);
-        let mut bound = |on: bool, strength: f64, slope: f64| {
-            if on && slope > 0.0 {
-                p = p.max(-strength / slope);
-            }
+        for k in (0..2).filter(|k| self.slopes[*k] > 0.0) {
+            p = p.max(-self.strengths[k + 1] / self.slopes[k]);
+        }
+        let within = |k: usize| {
+            let most = (self.strengths[k + 1] + self.slopes[k] * p).max(0.0);
+            if self.on[2 * k + 1] { s[k + 1].clamp(-most, most) } else { 0.0 }
         };
-        bound(shear, c, self.slopes[0]);
-        bound(rolling, m_0, self.slopes[1]);
-        let within = |on: bool, x: f64, limit: f64| {
-            if on { x.clamp(-limit.max(0.0), limit.max(0.0)) } else { 0.0 }
-        };
-        [
-            p,
-            within(shear, s[1], c + self.slopes[0] * p),
-            within(rolling, s[2], m_0 + self.slopes[1] * p),
-        ]
+        [p, within(0), within(1)]
     }
 
     /// Slacks and multipliers near those of the forces and kinematics, with all products `product`.
     pub fn near(&self, s: [f64; 3], e: &[f64; 3], product: f64) -> Entry {
-        let st = e[1] - self.linear[1] - self.compliance[1] * s[1];
-        let sr = e[2] - self.linear[2] - self.compliance[2] * s[2];
-        let opening = self.on[1] as u8 as f64 * self.slopes[0] * st.abs()
-            + self.on[3] as u8 as f64 * self.slopes[1] * sr.abs();
+        let [st, sr] = [1, 2].map(|f| e[f] - self.linear[f] - self.compliance[f] * s[f]);
+        let opening = self.slopes[0] * st.abs() + self.slopes[1] * sr.abs();
         let sn = self.linear[0] + self.compliance[0] * s[0] - e[0] - self.dilation * opening;
         let raw = [sn, st.max(0.0), (-st).max(0.0), sr.max(0.0), (-sr).max(0.0)];
         let taken = self.of_limits(&s);
@@ -148,14 +121,13 @@ impl Cell {
     pub fn residual(&self, x: &Entry, e: &[f64; 3]) -> Entry {
         let [n, plus, minus, roll_plus, roll_minus] = x.l;
         let dilates = self.slopes[0] * (plus + minus) + self.slopes[1] * (roll_plus + roll_minus);
-        let mut r = Entry::default();
-        r.s[0] = self.linear[0] + self.compliance[0] * x.s[0] - e[0] - n - self.dilation * dilates;
-        if self.on[1] {
-            r.s[1] = self.linear[1] + self.compliance[1] * x.s[1] - e[1] + plus - minus;
-        }
-        if self.on[3] {
-            r.s[2] = self.linear[2] + self.compliance[2] * x.s[2] - e[2] + roll_plus - roll_minus;
-        }
+        let elastic = [0, 1, 2].map(|f| self.linear[f] + self.compliance[f] * x.s[f] - e[f]);
+        let s = [
+            elastic[0] - n - self.dilation * dilates,
+            elastic[1] + plus - minus,
+            elastic[2] + roll_plus - roll_minus,
+        ];
+        let mut r = Entry { s, ..Entry::default() };
         let taken = self.of_limits(&x.s);
         for q in self.each_limit() {
             r.w[q] = x.w[q] + taken[q] - self.strength(q);
@@ -209,14 +181,8 @@ impl Cell {
             h[q] = (x.l[q] * r.w[q] - r.l[q]) / x.w[q];
         }
         let dilates = self.slopes[0] * (h[1] + h[2]) + self.slopes[1] * (h[3] + h[4]);
-        let mut e = [-r.s[0] + h[0] + self.dilation * dilates, 0.0, 0.0];
-        if self.on[1] {
-            e[1] = -r.s[1] - h[1] + h[2];
-        }
-        if self.on[3] {
-            e[2] = -r.s[2] - h[3] + h[4];
-        }
-        (h, e)
+        let normal = -r.s[0] + h[0] + self.dilation * dilates;
+        (h, [normal, -r.s[1] - h[1] + h[2], -r.s[2] - h[3] + h[4]])
     }
 
     /// Steps of the forces that cancel the residual if no body moves.
@@ -253,8 +219,7 @@ mod tests {
 
     fn cell(dilation: f64) -> Cell {
         Cell {
-            bodies: [0, 1],
-            rows: [[[0.0; 3]; 3]; 2],
+            arms: Arms { bodies: [0, 1], rows: [[[0.0; 3]; 3]; 2] },
             compliance: [0.3, 0.7, 0.45],
             linear: [0.2, -0.1, 0.4],
             slopes: [0.6, 0.25],

@@ -2,7 +2,6 @@
 //! Mehrotra (1992).
 
 use super::Trial;
-use super::cell::LIMITS;
 use super::settings::CoulombInteriorSettings;
 use super::system::{System, Vector};
 use crate::condensed::interior::part_of_way;
@@ -26,13 +25,13 @@ pub fn iterate(
         if solved && !sharpens {
             return;
         }
-        residuals.push(if iteration == 0 { f64::INFINITY } else { trial.worst() });
+        residuals.push(if iteration == 0 { f64::INFINITY } else { trial.worst });
         let earlier = (iteration as usize).checked_sub(settings.patience);
         let stalls = earlier.is_some_and(|earlier| {
             residuals[iteration as usize] > trial.settings.progress * residuals[earlier]
         });
         let r = system.residual(&z);
-        let mu = sum_of_products(system, &z, None, 0.0) / system.limits;
+        let mu = sum_of_products(system, &z, &z, 0.0) / system.limits;
         short = if last < settings.short_step { short + 1 } else { 0 };
         let ends =
             !mu.is_finite() || iteration == max || short >= settings.max_short_steps || stalls;
@@ -41,7 +40,7 @@ pub fn iterate(
         }
         let predictor = system.solve(&z, &r);
         let length = boundary(system, &z, &predictor).min(1.0);
-        let after = sum_of_products(system, &z, Some(&predictor), length) / system.limits;
+        let after = sum_of_products(system, &z, &predictor, length) / system.limits;
         // After a short step the iteration goes back to the path first.
         let min = if last < settings.centring_step { settings.min_centring } else { 0.0 };
         let target = (after.max(0.0) / mu).powi(3).clamp(min, 1.0) * mu;
@@ -65,29 +64,21 @@ pub fn iterate(
 /// step is NaN.
 pub fn boundary(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut length = f64::INFINITY;
-    for ((cell, x), d) in system.cells.iter().zip(&z.cells).zip(&step.cells) {
-        for q in cell.each_limit() {
-            for (x, d) in [(x.w[q], d.w[q]), (x.l[q], d.l[q])] {
-                if d.is_nan() {
-                    return f64::NAN;
-                }
-                if d < 0.0 && x + length * d < 0.0 {
-                    length = -x / d;
-                }
-            }
+    for (x, d) in system.along(z, step).flatten() {
+        if d.is_nan() {
+            return f64::NAN;
+        }
+        if d < 0.0 && x + length * d < 0.0 {
+            length = -x / d;
         }
     }
     length
 }
 
-fn sum_of_products(system: &System, z: &Vector, step: Option<&Vector>, length: f64) -> f64 {
+fn sum_of_products(system: &System, z: &Vector, step: &Vector, length: f64) -> f64 {
     let mut sum = 0.0;
-    for (k, (cell, x)) in system.cells.iter().zip(&z.cells).enumerate() {
-        let zero = [0.0; LIMITS];
-        let (dw, dl) = step.map_or((&zero, &zero), |s| (&s.cells[k].w, &s.cells[k].l));
-        for q in cell.each_limit() {
-            sum += (x.w[q] + length * dw[q]) * (x.l[q] + length * dl[q]);
-        }
+    for [(w, dw), (l, dl)] in system.along(z, step) {
+        sum += (w + length * dw) * (l + length * dl);
     }
     sum
 }

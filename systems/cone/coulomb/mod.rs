@@ -23,13 +23,9 @@ use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
 pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
-use super::condensed::images;
-use super::condensed::matrix::UnsymmetricMatrix;
-use super::condensed::scaled::Scaled;
+use super::condensed::matrix::{Kept, Lu};
 use super::condensed::settings::DEFAULT_RESIDUAL;
-use super::condensed::sleeping;
-use super::condensed::sweeps::sweep;
-use super::condensed::warm::last_forces;
+use super::condensed::{sleeping, sweeps};
 use super::residuals::{MIN_FORCE, applied_force, choose_displacements, natural_map};
 
 /// Requirements on a solution.
@@ -60,9 +56,7 @@ impl Goal {
 #[derive(Default)]
 pub struct Coulomb {
     settings: CoulombSettings,
-    pairs: Vec<(u32, u32)>,
-    bodies: usize,
-    matrix: Option<UnsymmetricMatrix>,
+    matrix: Kept<Lu>,
 }
 
 impl Coulomb {
@@ -75,26 +69,22 @@ impl Coulomb {
     /// The start of a time step in which grains slide: the forces after sweeps of Coulomb's law from
     /// the last forces, and the displacements that follow from them.
     ///
-    /// `None` where sweeps do not apply (a degree of freedom without a weight, strength, images),
+    /// `None` where sweeps do not apply (a degree of freedom without a weight, strength, a cell),
     /// where bodies sleep, which the associated solver leaves out, and where nothing slides: both
     /// laws then have the same solution, and the associated one is the more exact. `moved` are the
     /// displacements of the last solution, m and rad.
     #[must_use]
     pub fn sweep(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<ConeSolution> {
         let applies = program.is_dynamic()
-            && program.is_damped()
-            && program.cell.is_none()
-            && !program.has_bonds()
+            && sweeps::applies(program)
             && sleeping::find(program, moved).is_none();
         if !applies {
             return None;
         }
-        let natural: Vec<usize> = (0..program.bodies.len()).collect();
-        let scaled = Scaled::new(program, &natural);
         let law = SlidingLaw::Coulomb;
-        let (s, _) = sweep(&scaled, law, &last_forces(program));
+        let (s, _) = sweeps::sweep(program, law);
         let (_, df) = program.scales.units();
-        let forces: Vec<_> = s.iter().map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]]).collect();
+        let forces: Vec<_> = s.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
         let mut closed = program.interactions.iter().zip(&forces).filter(|(_, f)| f[0] > 0.0);
         let slides = closed.any(|(c, f)| c.limits.slides(f) || c.limits.rolls(f));
         let displacements = program.imposed();
@@ -120,22 +110,19 @@ impl Coulomb {
         // The associated solution is exact, and nothing slides where it solves Coulomb's law.
         let is_swept = start.law == SlidingLaw::Coulomb;
         let is_found = if is_swept { trial.is_sharp() } else { trial.is_within(DEFAULT_RESIDUAL) };
-        if is_associated || is_found || !self.prepare(program) {
+        if is_associated || is_found {
             return trial.into_solution(0);
         }
-        let Some(matrix) = self.matrix.as_mut() else { return trial.into_solution(0) };
+        let Some(matrix) = self.matrix.of(program) else { return trial.into_solution(0) };
         // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
         scaled.scales.force = unit_of_force(program, start);
-        trial.units = scaled.scales.units();
-        trial.order = matrix.order().to_vec();
-        let (du, df) = trial.units;
         let mut system = System::new(&scaled, matrix, &settings);
+        let (du, df) = system.units;
         let of = |u: &[f64; 3], d: &[f64; 3]| [0, 1, 2].map(|k| u[k] / d[k]);
-        let u: Vec<_> = trial.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
-        let force_units = [df[0], df[0], df[2]];
-        let s: Vec<_> = start.forces.iter().map(|f| of(f, &force_units)).collect();
-        let product = if is_swept { settings.share * trial.worst() } else { settings.product };
+        let u: Vec<_> = system.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
+        let s: Vec<_> = start.forces.iter().map(|f| of(f, &df)).collect();
+        let product = if is_swept { settings.share * trial.worst } else { settings.product };
         let z = system.near(&u, &s, product);
         let first = max.min(settings.max_iterations);
         interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
@@ -157,17 +144,6 @@ impl Coulomb {
         let spent = system.factorisations;
         trial.into_solution(spent)
     }
-
-    /// Brings the pattern of the matrix up to date; whether an order of elimination was found.
-    fn prepare(&mut self, program: &ConeProgram) -> bool {
-        let pairs = images::pairs(program);
-        if self.bodies != program.bodies.len() || !pairs.clone().eq(self.pairs.iter().copied()) {
-            self.pairs = pairs.collect();
-            self.bodies = program.bodies.len();
-            self.matrix = UnsymmetricMatrix::new(self.bodies, &self.pairs);
-        }
-        self.matrix.is_some()
-    }
 }
 
 /// Maximum force, contact or applied, N; at least the minimum that residuals are relative to.
@@ -181,9 +157,8 @@ pub struct Trial<'a> {
     program: &'a ConeProgram,
     settings: &'a CoulombSettings,
     goal: Goal,
-    units: ([f64; 3], [f64; 3]),
-    order: Vec<usize>,
     best: ConeSolution,
+    /// Its residual.
     worst: f64,
     /// Residuals of the last two points, oldest first.
     residuals: [f64; 2],
@@ -197,26 +172,12 @@ impl<'a> Trial<'a> {
         goal: Goal,
     ) -> Self {
         let best = ConeSolution { law: SlidingLaw::Coulomb, ..start.clone() };
-        let units = program.scales.units();
-        Self {
-            program,
-            settings,
-            goal,
-            units,
-            order: Vec::new(),
-            best,
-            worst: f64::INFINITY,
-            residuals: [f64::INFINITY; 2],
-        }
+        let (worst, residuals) = (f64::INFINITY, [f64::INFINITY; 2]);
+        Self { program, settings, goal, best, worst, residuals }
     }
 
     fn is_solved(&self) -> bool {
         self.worst <= self.goal.tolerance
-    }
-
-    /// The residual of the best point.
-    fn worst(&self) -> f64 {
-        self.worst
     }
 
     /// Whether another iteration pays: the last point was much better than the one before.
@@ -238,19 +199,17 @@ impl<'a> Trial<'a> {
 
     /// Evaluates a point with its forces clamped to their limits; whether it is a solution.
     fn consider(&mut self, system: &System, z: &system::Vector) -> bool {
-        let (du, df) = self.units;
+        let (du, df) = system.units;
         // Imposed displacements are exact, without round-off of the units.
         let mut displacements = self.program.imposed();
-        for ((u, free), &i) in z.u.iter().zip(&system.program.free).zip(&self.order) {
+        for ((u, free), &i) in z.u.iter().zip(&system.program.free).zip(&system.order) {
             for k in (0..3).filter(|k| free[*k]) {
                 displacements[i][k] = u[k] * du[k];
             }
         }
         let cells = system.cells.iter().zip(&z.cells);
-        let forces: Vec<_> = cells
-            .map(|(cell, x)| cell.clamp(&x.s))
-            .map(|s| [s[0] * df[0], s[1] * df[0], s[2] * df[2]])
-            .collect();
+        let clamped = cells.map(|(cell, x)| cell.clamp(&x.s));
+        let forces: Vec<_> = clamped.map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
         self.offer(&forces, &displacements)
     }
 

@@ -6,7 +6,7 @@ use crate::program::ConeProgram;
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
 use super::super::condensed::refinement::refine;
-use super::super::condensed::scaled::{Scaled, add_forces, kinematics};
+use super::super::condensed::scaled::Scaled;
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
 
@@ -44,13 +44,16 @@ impl Vector {
 pub struct System<'a> {
     pub program: Scaled,
     pub cells: Vec<Cell>,
+    /// Units of the displacements and of the forces.
+    pub units: ([f64; 3], [f64; 3]),
+    /// Bodies in the order of elimination.
+    pub order: Vec<usize>,
     pub matrix: &'a mut UnsymmetricMatrix,
     /// Number of limits.
     pub limits: f64,
     /// Factorisations so far.
     pub factorisations: u32,
     linear: Vec<Linear>,
-    diagonal: Vec<[f64; 3]>,
     /// Usual compliances of every interaction, by which a regularisation is multiplied.
     soft: Vec<[f64; 3]>,
     refined: f64,
@@ -63,34 +66,29 @@ impl<'a> System<'a> {
         matrix: &'a mut UnsymmetricMatrix,
         settings: &CoulombSettings,
     ) -> Self {
-        let scaled = Scaled::new(program, matrix.order());
-        matrix.set_images(&scaled.images);
-        let (length, force) = (program.scales.length, program.scales.force);
-        let cells: Vec<Cell> = scaled
-            .locals
-            .iter()
-            .zip(&program.interactions)
-            .map(|(local, c)| Cell::new(local, c, length, force))
-            .collect();
+        let scaled = matrix.pose(program);
+        let both = scaled.locals.iter().zip(&program.interactions);
+        let cells: Vec<Cell> = both.map(|(local, c)| Cell::new(local, c)).collect();
         let compliance = typical_compliance(&cells);
-        let damped = scaled.is_damped();
+        let damped = program.is_damped();
         let soft = cells
             .iter()
             .map(|cell| {
                 if damped {
                     of_weights(cell, &scaled)
                 } else {
-                    let own = cell.normal_compliance();
+                    let own = cell.compliance[0];
                     [if own > 0.0 { own } else { compliance }; 3]
                 }
             })
             .collect();
         Self {
-            limits: cells.iter().map(Cell::limits).sum::<usize>().max(1) as f64,
+            limits: cells.iter().flat_map(Cell::each_limit).count().max(1) as f64,
             linear: vec![Linear::default(); cells.len()],
-            diagonal: vec![[1.0; 3]; scaled.weight.len()],
             program: scaled,
             cells,
+            units: program.scales.units(),
+            order: matrix.order().to_vec(),
             matrix,
             factorisations: 0,
             soft,
@@ -101,12 +99,16 @@ impl<'a> System<'a> {
     /// Sets the regularisation of the matrix, as a part of the usual compliances.
     pub fn regularise(&mut self, part: f64) {
         for (cell, soft) in self.cells.iter_mut().zip(&self.soft) {
-            cell.soften(soft.map(|c| part * c));
+            cell.soft = soft.map(|c| part * c);
         }
     }
 
-    pub fn kinematics(&self, cell: &Cell, u: &[[f64; 3]]) -> [f64; 3] {
-        kinematics(cell.bodies, &cell.rows, u)
+    /// Slack and multiplier of every limit at a point, each with its change in a step.
+    pub fn along(&self, z: &Vector, step: &Vector) -> impl Iterator<Item = [(f64, f64); 2]> {
+        let entries = z.cells.iter().zip(&step.cells);
+        self.cells.iter().zip(entries).flat_map(|(cell, (x, d))| {
+            cell.each_limit().map(move |q| [(x.w[q], d.w[q]), (x.l[q], d.l[q])])
+        })
     }
 
     /// The point near forces and displacements with all products `product`.
@@ -114,7 +116,7 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(s);
         let mut u = u[..self.program.free.len()].to_vec();
         self.program.images.extend(&mut u);
-        let cells = cells.map(|(cell, s)| cell.near(*s, &self.kinematics(cell, &u), product));
+        let cells = cells.map(|(cell, s)| cell.near(*s, &cell.arms.kinematics(&u), product));
         Vector { cells: cells.collect(), u }
     }
 
@@ -123,8 +125,8 @@ impl<'a> System<'a> {
         let mut out = Vector::zeros(z);
         self.program.balance_of_bodies(&z.u, &mut out.u);
         for ((cell, x), r) in self.cells.iter().zip(&z.cells).zip(&mut out.cells) {
-            add_forces(cell.bodies, &cell.rows, &x.s, 1.0, &mut out.u);
-            *r = cell.residual(x, &self.kinematics(cell, &z.u));
+            cell.arms.add_forces(&x.s, 1.0, &mut out.u);
+            *r = cell.residual(x, &cell.arms.kinematics(&z.u));
         }
         self.program.images.fold(&mut out.u);
         out
@@ -134,16 +136,12 @@ impl<'a> System<'a> {
     #[must_use]
     pub fn factorise(&mut self, z: &Vector) -> bool {
         self.matrix.clear();
-        for (i, diagonal) in self.diagonal.iter_mut().enumerate() {
-            for k in 0..3 {
-                diagonal[k] = if self.program.free[i][k] { self.program.weight[i][k] } else { 1.0 };
-                self.matrix.add_diagonal(i, k, diagonal[k]);
-            }
-        }
+        let mut values = self.matrix.assembly();
+        values.add_weights(&self.program, 0.0);
         let cells = self.cells.iter().zip(&z.cells).zip(&mut self.linear);
         for (k, ((cell, x), linear)) in cells.enumerate() {
             *linear = cell.linearise(x);
-            self.matrix.add(k, &cell.rows, &linear.stiffness);
+            values.add(k, &cell.arms.rows, &linear.stiffness);
         }
         self.factorisations += 1;
         self.matrix.factorise()
@@ -155,20 +153,14 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
         for ((cell, linear), (x, r)) in cells {
             let s = cell.forces_at_rest(linear, x, r);
-            add_forces(cell.bodies, &cell.rows, &s, -1.0, &mut right);
+            cell.arms.add_forces(&s, -1.0, &mut right);
         }
         self.program.images.fold(&mut right);
-        for (right, free) in right.iter_mut().zip(&self.program.free) {
-            for k in 0..3 {
-                if !free[k] {
-                    right[k] = 0.0;
-                }
-            }
-        }
+        self.program.clear_fixed(&mut right);
         let du = self.solve_bodies(right);
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
         let cells = cells
-            .map(|((cell, linear), (x, r))| cell.step(linear, x, r, &self.kinematics(cell, &du)))
+            .map(|((cell, linear), (x, r))| cell.step(linear, x, r, &cell.arms.kinematics(&du)))
             .collect();
         Vector { u: du, cells }
     }
@@ -180,17 +172,17 @@ impl<'a> System<'a> {
         self.matrix.solve(&mut x[..n]);
         self.program.images.spread(&mut x);
         let scale = max_magnitude(&right);
-        let Self { program, cells, matrix, linear, diagonal, refined, .. } = self;
+        let Self { program, cells, matrix, linear, refined, .. } = self;
         let set = |x: &[[f64; 3]], defect: &mut [[f64; 3]]| {
             defect.copy_from_slice(&right);
-            for ((d, diagonal), x) in defect.iter_mut().zip(&*diagonal).zip(x) {
+            for ((d, weight), x) in defect.iter_mut().zip(&program.weight).zip(x) {
                 for k in 0..3 {
-                    d[k] -= diagonal[k] * x[k];
+                    d[k] -= weight[k] * x[k];
                 }
             }
             for (cell, linear) in cells.iter().zip(&*linear) {
-                let s = times(&linear.stiffness, &kinematics(cell.bodies, &cell.rows, x));
-                add_forces(cell.bodies, &cell.rows, &s, -1.0, defect);
+                let s = times(&linear.stiffness, &cell.arms.kinematics(x));
+                cell.arms.add_forces(&s, -1.0, defect);
             }
         };
         let enough = *refined * scale;
@@ -202,7 +194,7 @@ impl<'a> System<'a> {
 /// Median of the normal compliances above 0; 1 if all are rigid.
 fn typical_compliance(cells: &[Cell]) -> f64 {
     let mut all: Vec<f64> =
-        cells.iter().map(Cell::normal_compliance).filter(|c| *c > 0.0).collect();
+        cells.iter().map(|cell| cell.compliance[0]).filter(|c| *c > 0.0).collect();
     all.sort_unstable_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(1.0)
 }
@@ -210,7 +202,7 @@ fn typical_compliance(cells: &[Cell]) -> f64 {
 /// Compliance that the weights of its bodies give an interaction: the diagonal of `G' M^-1 G`.
 fn of_weights(cell: &Cell, program: &Scaled) -> [f64; 3] {
     let mut out = [0.0; 3];
-    for (rows, body) in cell.rows.iter().zip(cell.bodies) {
+    for (rows, body) in cell.arms.rows.iter().zip(cell.arms.bodies) {
         let body = program.images.body(body as usize);
         for (row, weight) in rows.iter().zip(program.weight[body]) {
             if weight > 0.0 {

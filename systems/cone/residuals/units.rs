@@ -49,12 +49,8 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
 
 /// Maximum applied force, N.
 pub(crate) fn applied_force(program: &ConeProgram) -> f64 {
-    program
-        .bodies
-        .iter()
-        .flat_map(|b| &b.dofs[..2])
-        .map(|d| if let Dof::Free(f) = d { (f.load - f.momentum).abs() } else { 0.0 })
-        .fold(0.0, f64::max)
+    let translations = program.bodies.iter().flat_map(|b| b.free().filter(|(k, _)| *k < 2));
+    translations.map(|(_, free)| (free.load - free.momentum).abs()).fold(0.0, f64::max)
 }
 
 /// Maximum displacement, m, between 1e-6 and 1 mean radii: relative to a body that a solver throws
@@ -76,15 +72,8 @@ fn free_displacement(program: &ConeProgram) -> f64 {
         return 0.0;
     }
     let free = |body: &ProgramBody| {
-        let mut squares = 0.0;
-        for dof in &body.dofs[..2] {
-            if let Dof::Free(f) = dof
-                && f.inertia > 0.0
-            {
-                squares += ((f.load - f.momentum) / f.inertia).powi(2);
-            }
-        }
-        squares.sqrt()
+        let translations = body.free().filter(|(k, free)| *k < 2 && free.inertia > 0.0);
+        translations.map(|(_, f)| ((f.load - f.momentum) / f.inertia).powi(2)).sum::<f64>().sqrt()
     };
     let minimum =
         program.bodies.iter().map(free).filter(|u| *u > 0.0).fold(f64::INFINITY, f64::min);
@@ -137,13 +126,11 @@ impl Units {
         regularisation: f64,
         out: &mut Residuals,
     ) {
-        for k in 0..3 {
-            if let Dof::Free(f) = &body.dofs[k] {
-                let pull = regularisation * f.proximal * (u[k] - f.reference);
-                let defect = f.inertia * u[k] + pull + row[k] - f.load;
-                let unit = if k < 2 { self.force } else { self.force * self.length };
-                worsen(&mut out.balance, defect.abs() / unit);
-            }
+        for (k, f) in body.free() {
+            let pull = regularisation * f.proximal * (u[k] - f.reference);
+            let defect = f.inertia * u[k] + pull + row[k] - f.load;
+            let unit = if k < 2 { self.force } else { self.force * self.length };
+            worsen(&mut out.balance, defect.abs() / unit);
         }
     }
 

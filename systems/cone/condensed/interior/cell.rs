@@ -4,13 +4,14 @@
 //! Interactions of a kind therefore lie together, without room for forces and limits that the kind
 //! does not have.
 
-use super::super::matrix::Assembly;
-use super::super::scaled::{Kind, Local, ROWS};
+use std::ops::Add;
+
+use super::super::matrix::{Assembly, Cholesky};
+use super::super::scaled::{Kind, Local, ROWS, first};
 use super::super::settings::InteriorSettings;
-use super::law::{Law, Rows, first};
+use super::law::{Law, Rows, Slacks, Step};
 use super::local_system::LocalSystem;
-use super::point::{Warm, slack};
-use super::slacks::{Right, Slacks, Step};
+use super::point::Warm;
 
 /// One interaction.
 #[derive(Clone)]
@@ -86,7 +87,8 @@ impl Cells {
     }
 }
 
-/// Maxima over interactions: residuals of kinematics and limits, force, product; and sums.
+/// Maxima over interactions: residuals of kinematics and limits, force, product; and sums. Two sets
+/// of interactions are added up.
 #[derive(Clone, Copy, Default)]
 pub struct Sizes {
     pub kinematic: f64,
@@ -101,9 +103,10 @@ pub struct Sizes {
     pub energy: f64,
 }
 
-impl Sizes {
-    /// The sizes of two sets of interactions together.
-    pub fn and(self, other: Self) -> Self {
+impl Add for Sizes {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
         Self {
             kinematic: self.kinematic.max(other.kinematic),
             primal: self.primal.max(other.primal),
@@ -132,10 +135,19 @@ impl Default for Ahead {
     }
 }
 
+impl Add for Ahead {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        let products = [0, 1, 2].map(|k| self.products[k] + other.products[k]);
+        Self { length: self.length.min(other.length), products }
+    }
+}
+
 impl Ahead {
     /// Takes a slack w and its multiplier lambda along with their steps.
     #[inline]
-    pub fn add(&mut self, w: f64, lambda: f64, dw: f64, dlambda: f64) {
+    pub fn take(&mut self, w: f64, lambda: f64, dw: f64, dlambda: f64) {
         if w + self.length * dw < 0.0 {
             self.length = -w / dw;
         }
@@ -145,12 +157,6 @@ impl Ahead {
         self.products[0] += w * lambda;
         self.products[1] += w * dlambda + lambda * dw;
         self.products[2] += dw * dlambda;
-    }
-
-    /// The step of two sets of interactions together.
-    pub fn and(self, other: Self) -> Self {
-        let products = [0, 1, 2].map(|k| self.products[k] + other.products[k]);
-        Self { length: self.length.min(other.length), products }
     }
 
     pub fn products_after(&self) -> f64 {
@@ -180,9 +186,10 @@ pub struct Gains {
     pub squares: f64,
 }
 
-impl Gains {
-    /// The gains of two sets of interactions together.
-    pub fn and(self, other: Self) -> Self {
+impl Add for Gains {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
         Self {
             of_residuals: self.of_residuals + other.of_residuals,
             of_products: self.of_products + other.of_products,
@@ -195,7 +202,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// Forces, slacks and multipliers near the elastic trial at the displacements.
     fn new(number: usize, local: &Local, u: &[[f64; 3]], settings: &InteriorSettings) -> Self {
         let law = Law::<F, Q>::new(local);
-        let e = law.kinematics(u);
+        let e = law.arms.kinematics(u);
         let mut trial = [0.0; F];
         for f in (0..F).filter(|f| local.has[*f]) {
             let c = local.compliance[f];
@@ -203,13 +210,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         let mut slacks = Slacks { w: [0.0; Q], lambda: [0.0; Q] };
         // The trial clamped to the limits: normal force first, then the others at that normal force.
-        let lowest = (0..Q)
-            .map(|q| (law.right[q], -local.limits[q][0]))
-            .filter(|(_, slope)| *slope > 0.0)
-            .map(|(right, slope)| -right / slope)
-            .fold(f64::NEG_INFINITY, f64::max);
         let mut s = [0.0; F];
-        s[0] = trial[0].max(lowest);
+        s[0] = trial[0].max(local.lowest());
         for k in 0..Law::<F, Q>::PAIRS {
             let strength = (law.right[2 * k] + law.slopes[k] * s[0]).max(0.0);
             let f = Law::<F, Q>::force(k);
@@ -222,15 +224,14 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         // of all other interactions. An interaction with strength does not open by itself.
         let has_strength = law.right.iter().any(|right| *right > 0.0);
         let gap = if has_strength { 0.0 } else { (law.linear[0] - e[0]).max(0.0) };
-        let multiplier = gap / (0..Q).map(|q| -local.limits[q][0]).sum::<f64>();
+        let multiplier = gap / local.limits().map(|(slope, _)| slope).sum::<f64>();
         let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
         let product = settings.start * settings.start;
         for q in 0..Q {
             let left = law.right[q] - law.limit(q, &s);
             let excess = local.compliance[0] * law.limit(q, &beyond);
             let excess = if is_rigid { multiplier } else { excess };
-            let w = slack(left.max(0.0) - excess.max(0.0), product);
-            (slacks.w[q], slacks.lambda[q]) = (w, product / w);
+            slacks.set(q, left.max(0.0) - excess.max(0.0), product);
         }
         Self {
             number,
@@ -252,7 +253,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     pub fn warm(&mut self, u: &[[f64; 3]], warm: Warm) {
         let law = &self.law;
         self.s = first(&warm.forces[self.number]);
-        let e = law.kinematics(u);
+        let e = law.arms.kinematics(u);
         let left: [f64; F] =
             std::array::from_fn(|f| law.linear[f] + law.compliance[f] * self.s[f] - e[f]);
         let mut multipliers = [0.0; Q];
@@ -276,9 +277,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         for q in 0..Q {
             let left = law.right[q] - law.limit(q, &self.s);
-            let w = slack(left - multipliers[q], warm.product);
-            self.slacks.w[q] = w;
-            self.slacks.lambda[q] = warm.product / w;
+            self.slacks.set(q, left - multipliers[q], warm.product);
         }
     }
 
@@ -298,7 +297,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             slacks.lambda[q] += length * step.lambda[q];
         }
         law.add_forces(s, 1.0, balance);
-        let e = law.kinematics(u);
+        let e = law.arms.kinematics(u);
         let mut r = [0.0; F];
         for f in 0..F {
             let elongation = law.compliance[f] * s[f];
@@ -353,10 +352,15 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
 
     /// Sets up the system, adds its stiffness to the matrix, and its part to the right sides of the
     /// responses to the residuals and to the products.
-    pub fn condense(&mut self, min_compliance: f64, matrix: &mut Assembly, right: &mut [Rows; 2]) {
+    pub fn condense(
+        &mut self,
+        min_compliance: f64,
+        matrix: &mut Assembly<Cholesky>,
+        right: &mut [Rows; 2],
+    ) {
         let Self { law, slacks, .. } = self;
         self.system.set(law, slacks, min_compliance);
-        matrix.add(self.number, &law.rows, &self.system.stiffness);
+        matrix.add(self.number, &law.arms.rows, &self.system.stiffness);
         let e = self.stationarity.map(|r| -r);
         let b = self.defect.map(|d| -d);
         law.add_forces(&self.system.forces(law, &e, &b), -1.0, &mut right[0]);
@@ -368,12 +372,12 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// the residuals and these products away.
     #[inline]
     fn respond(&self, du: &[[f64; 3]], of_residuals: f64, product: [f64; Q]) -> Step<F, Q> {
-        let mut kinematics = self.law.kinematics(du);
+        let mut kinematics = self.law.arms.kinematics(du);
         for (e, r) in kinematics.iter_mut().zip(&self.stationarity) {
             *e -= of_residuals * r;
         }
         let defect = self.defect.map(|d| of_residuals * d);
-        self.system.solve(&self.law, &self.slacks, &Right { kinematics, defect, product })
+        self.system.solve(&self.law, &self.slacks, &kinematics, &defect, &product)
     }
 
     /// Derivative of the duality gap `f'u - l's - b'lambda - u'Mu - s'Cs` along a step.
@@ -420,7 +424,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let dw = (1.0 + rho) * a.w[q] + (1.0 + 2.0 * rho) * b.w[q] + rho * w;
             let dlambda =
                 (1.0 + rho) * a.lambda[q] + (1.0 + 2.0 * rho) * b.lambda[q] + rho * lambda;
-            ahead.add(w, lambda, dw, dlambda);
+            ahead.take(w, lambda, dw, dlambda);
             self.correction[q] = dw * dlambda;
         }
     }
@@ -456,18 +460,14 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         for q in 0..Q {
             let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
             let (dw, dlambda) = (self.step.w[q] + rho * w, self.step.lambda[q] + rho * lambda);
-            ahead.add(w, lambda, dw, dlambda);
+            ahead.take(w, lambda, dw, dlambda);
         }
     }
 
     /// Number of limits that have slack and multiplier, or violate either, by more than `size`.
     pub fn undecided(&self, size: f64) -> usize {
-        (0..Q).filter(|q| self.is_undecided(*q, size)).count()
-    }
-
-    fn is_undecided(&self, q: usize, size: f64) -> bool {
-        let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
-        !(w.min(lambda).abs() <= size)
+        let Slacks { w, lambda } = &self.slacks;
+        (0..Q).filter(|q| !(w[*q].min(lambda[*q]).abs() <= size)).count()
     }
 
     /// Moves the slacks and multipliers of undecided limits to a product, with their difference as
@@ -478,15 +478,14 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
             if !(w.min(lambda) <= size && w.min(lambda) > 0.0) {
                 let left = self.law.right[q] - self.law.limit(q, &self.s);
-                let w = slack(left - self.slacks.lambda[q], product);
-                (self.slacks.w[q], self.slacks.lambda[q]) = (w, product / w);
+                self.slacks.set(q, left - lambda, product);
             }
         }
     }
 
     /// Subtracts its part of the condensed operator, applied to `du`, from the defect.
     pub fn take_away(&self, du: &[[f64; 3]], defect: &mut Rows) {
-        let e = self.law.kinematics(du);
+        let e = self.law.arms.kinematics(du);
         let mut s = [0.0; F];
         for f in 0..F {
             for g in 0..F {

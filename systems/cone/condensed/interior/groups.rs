@@ -4,9 +4,9 @@
 //! The other interactions come after all branches. Sums are over the branches in their order,
 //! whatever the number of threads.
 
-use std::ops::Range;
+use std::ops::{Add, Range};
 
-use super::super::matrix::{Assembly, BodyMatrix};
+use super::super::matrix::{Assembly, BodyMatrix, Cholesky};
 use super::super::parallel::{in_parallel, split};
 use super::super::scaled::Scaled;
 use super::super::settings::InteriorSettings;
@@ -34,10 +34,11 @@ impl Groups {
         let mut branches: Vec<Cells> = bodies.iter().map(|_| Cells::default()).collect();
         let mut rest = Cells::default();
         for (number, local) in program.locals.iter().enumerate() {
-            let [a, b] = local.bodies.map(|i| bodies.partition_point(|branch| branch.end <= i));
-            let branch = bodies.get(a).filter(|branch| a == b && branch.contains(&local.bodies[0]));
-            let is_within = branch.is_some_and(|branch| branch.contains(&local.bodies[1]));
-            let cells = if is_within { &mut branches[a] } else { &mut rest };
+            let [a, b] = local.arms.bodies.map(|i| i as usize);
+            let branch = bodies.partition_point(|branch| branch.end <= a);
+            let holds = |bodies: &Range<usize>| bodies.contains(&a) && bodies.contains(&b);
+            let is_within = bodies.get(branch).is_some_and(holds);
+            let cells = if is_within { &mut branches[branch] } else { &mut rest };
             cells.push(number, local, u, settings);
         }
         Self { branches, bodies, rest }
@@ -57,9 +58,19 @@ impl Groups {
         self.branches.iter_mut().chain([&mut self.rest])
     }
 
-    /// Calls `f` for the interactions of every group and returns the results.
-    pub fn each<R: Send>(&mut self, f: impl Fn(&mut Cells) -> R + Sync + Send) -> Vec<R> {
-        in_parallel(self.all(), f)
+    /// Calls `f` for the interactions of every group with a sum of its own, and adds the sums to
+    /// `start`.
+    pub fn sum<R: Default + Add<Output = R> + Send>(
+        &mut self,
+        start: R,
+        f: impl Fn(&mut Cells, &mut R) + Sync + Send,
+    ) -> R {
+        let sums = in_parallel(self.all(), |cells| {
+            let mut sum = R::default();
+            f(cells, &mut sum);
+            sum
+        });
+        sums.into_iter().fold(start, R::add)
     }
 
     /// Calls `f` for the interactions of every group with the `rows` of their bodies.
@@ -68,8 +79,8 @@ impl Groups {
         rows: &mut [[f64; 3]],
         f: impl Fn(&mut Cells, &mut Rows) -> R + Sync + Send,
     ) -> Vec<R> {
-        let mut results =
-            in_parallel(self.with_rows(rows), |(cells, mut rows)| f(cells, &mut rows));
+        let items = self.branches.iter_mut().zip(pieces(&self.bodies, rows));
+        let mut results = in_parallel(items, |(cells, mut rows)| f(cells, &mut rows));
         results.push(f(&mut self.rest, &mut Rows { first: 0, rows }));
         results
     }
@@ -80,25 +91,19 @@ impl Groups {
         &mut self,
         matrix: &mut BodyMatrix,
         [a, b]: [&mut [[f64; 3]]; 2],
-        f: impl Fn(&mut Cells, &mut Assembly, &mut [Rows; 2]) + Sync + Send,
+        f: impl Fn(&mut Cells, &mut Assembly<Cholesky>, &mut [Rows; 2]) + Sync + Send,
     ) {
-        let pieces = |rows| split(rows, self.bodies.iter().cloned());
-        let firsts = self.bodies.iter().map(|bodies| bodies.start as u32);
-        let rows = firsts.zip(pieces(&mut *a).into_iter().zip(pieces(&mut *b)));
-        let rows = rows.map(|(first, (a, b))| [Rows { first, rows: a }, Rows { first, rows: b }]);
+        let rows = pieces(&self.bodies, a).into_iter().zip(pieces(&self.bodies, b));
         let items = self.branches.iter_mut().zip(rows).zip(matrix.assemblies());
-        in_parallel(items, |((cells, mut rows), mut values)| f(cells, &mut values, &mut rows));
-        let mut rows = [Rows { first: 0, rows: a }, Rows { first: 0, rows: b }];
+        in_parallel(items, |((cells, (a, b)), mut values)| f(cells, &mut values, &mut [a, b]));
+        let mut rows = [a, b].map(|rows| Rows { first: 0, rows });
         f(&mut self.rest, &mut matrix.assembly(), &mut rows);
     }
+}
 
-    /// The branches, each with the rows of its bodies.
-    fn with_rows<'a>(
-        &'a mut self,
-        rows: &'a mut [[f64; 3]],
-    ) -> impl Iterator<Item = (&'a mut Cells, Rows<'a>)> {
-        let pieces = split(rows, self.bodies.iter().cloned());
-        let rows = |(bodies, rows): (&Range<usize>, _)| Rows { first: bodies.start as u32, rows };
-        self.branches.iter_mut().zip(self.bodies.iter().zip(pieces).map(rows))
-    }
+/// The rows of the bodies of each branch.
+fn pieces<'a>(bodies: &[Range<usize>], rows: &'a mut [[f64; 3]]) -> Vec<Rows<'a>> {
+    let firsts = bodies.iter().map(|bodies| bodies.start as u32);
+    let pieces = firsts.zip(split(rows, bodies.iter().cloned()));
+    pieces.map(|(first, rows)| Rows { first, rows }).collect()
 }

@@ -1,12 +1,14 @@
 //! The current point of the method, and the steps that make an iteration.
 
+use std::ops::Add as _;
+
 use super::cell::{Ahead, Gains, Sizes, for_each};
 use super::groups::Groups;
 use super::point::{Interior, Warm, max_magnitude, part_of_way};
 use crate::condensed::MIN_FORCE;
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::refinement::refine;
-use crate::condensed::scaled::Scaled;
+use crate::condensed::scaled::{Local, Scaled};
 use crate::condensed::settings::InteriorSettings;
 
 /// Minimum of k at the start, force times displacement: a start without products is no reason to
@@ -70,8 +72,8 @@ pub struct Iteration<'a> {
     strengths: f64,
     /// Mean product.
     mu: f64,
-    /// Weights of the degrees of freedom in the matrix.
-    weight: Vec<[f64; 3]>,
+    /// Weight of the degrees of freedom in the matrix beside their own.
+    proximal: f64,
     /// Right sides of the responses to residuals and to products and of the corrector.
     rights: [Vec<[f64; 3]>; 3],
     /// The responses of the bodies, and the corrector.
@@ -106,7 +108,7 @@ impl<'a> Iteration<'a> {
             u = program.with_known(&vec![[0.0; 3]; n]);
             groups = Groups::new(program, matrix, &u, settings);
         }
-        let limits: usize = program.locals.iter().map(|l| l.count).sum();
+        let limits = program.locals.iter().flat_map(Local::limits).count();
         let zeros = vec![[0.0; 3]; program.places()];
         let mut iteration = Self {
             program,
@@ -125,9 +127,9 @@ impl<'a> Iteration<'a> {
             sizes: Sizes::default(),
             gap: 0.0,
             gap_round_off: 0.0,
-            strengths: program.locals.iter().flat_map(|l| &l.right).map(|b| b.abs()).sum(),
+            strengths: program.locals.iter().flat_map(Local::limits).map(|(_, b)| b.abs()).sum(),
             mu: 0.0,
-            weight: zeros.clone(),
+            proximal: 0.0,
             rights: std::array::from_fn(|_| zeros.clone()),
             responses: std::array::from_fn(|_| zeros.clone()),
             gains: Gains::default(),
@@ -154,7 +156,7 @@ impl<'a> Iteration<'a> {
             size
         });
         self.program.images.fold(&mut self.balance);
-        self.sizes = sizes.into_iter().fold(Sizes::default(), Sizes::and);
+        self.sizes = sizes.into_iter().fold(Sizes::default(), Sizes::add);
         self.unbalance = max_magnitude(&self.balance);
         self.length = 0.0;
         self.update_gap();
@@ -233,10 +235,8 @@ impl<'a> Iteration<'a> {
 
     /// Assembles the condensed matrix, and the right sides of the two responses.
     pub fn assemble(&mut self) {
-        let Self { program, matrix, settings, groups, weight, rights, .. } = self;
+        let Self { program, matrix, settings, groups, rights, .. } = self;
         let n = program.free.len();
-        matrix.clear();
-        let mut values = matrix.assembly();
         // A small proximal weight keeps bodies that nothing holds from moving to infinity, and a
         // small compliance keeps forces of rigid interactions that are not unique from growing. Both
         // fall with the products, so that they delay the end of the method no more than those do.
@@ -244,16 +244,13 @@ impl<'a> Iteration<'a> {
         // changes a solution, since they act on the step alone.
         let scale = self.tau.clamp(MIN_TAU, 1.0);
         let of_products = settings.proximal * (self.mu * scale * scale).min(1.0);
-        let proximal = scale * (settings.min_proximal + of_products);
+        self.proximal = scale * (settings.min_proximal + of_products);
         let min_compliance = scale * (self.min_compliance + of_products);
         let [of_residuals, of_products, _] = rights;
-        for i in 0..n {
-            for k in 0..3 {
-                weight[i][k] = program.weight[i][k] + proximal;
-                let diagonal = if program.free[i][k] { weight[i][k] } else { 1.0 };
-                values.add_diagonal(i, k, diagonal);
-                of_residuals[i][k] = -self.balance[i][k];
-            }
+        matrix.clear();
+        matrix.assembly().add_weights(program, self.proximal);
+        for (right, balance) in of_residuals.iter_mut().zip(&self.balance[..n]) {
+            *right = balance.map(|b| -b);
         }
         of_residuals[n..].fill([0.0; 3]);
         of_products.fill([0.0; 3]);
@@ -267,7 +264,7 @@ impl<'a> Iteration<'a> {
     /// Factorises and solves for the responses to residuals and to products; whether the matrix has
     /// a factor.
     pub fn respond(&mut self) -> bool {
-        let Self { program, matrix, groups, rights, responses, weight, u, .. } = self;
+        let Self { program, matrix, groups, rights, responses, u, .. } = self;
         let n = program.free.len();
         let [a, b, _] = responses;
         if !self.is_embedded {
@@ -291,23 +288,22 @@ impl<'a> Iteration<'a> {
         matrix.solve(&mut b[..n]);
         program.images.spread(b);
         let (a, b) = (&*a, &*b);
-        let gains = groups.each(|cells| {
-            let mut gains = Gains::default();
-            for_each!(cell of cells => cell.set_responses([a, b], &mut gains));
-            gains
-        });
-        let square = |i: usize, k: usize| weight[i][k] * (a[i][k] + 2.0 * b[i][k]).powi(2);
+        let square = |i: usize, k: usize| {
+            (program.weight[i][k] + self.proximal) * (a[i][k] + 2.0 * b[i][k]).powi(2)
+        };
         let of_bodies = Gains {
             of_residuals: gain(program, u, a),
             of_products: gain(program, u, b),
             squares: program.sum_of_free(square),
         };
-        self.gains = gains.into_iter().fold(of_bodies, Gains::and);
+        self.gains = groups.sum(of_bodies, |cells, gains| {
+            for_each!(cell of cells => cell.set_responses([a, b], gains));
+        });
         true
     }
 
-    /// The step of tau over tau that takes `part` of the gap away, with `of_kappa` the product that
-    /// tau and kappa lose and `gain` that of the corrector.
+    /// The step of tau over tau that takes the gap away, with `of_kappa` the product that tau and
+    /// kappa lose and `gain` that of the corrector.
     fn growth(&self, of_kappa: f64, gain: f64) -> f64 {
         if !self.is_embedded {
             return 0.0;
@@ -324,17 +320,14 @@ impl<'a> Iteration<'a> {
         let rho = self.growth(self.k, 0.0);
         let dk = -self.k - self.k * rho;
         let Self { groups, responses: [a, ..], is_embedded, .. } = self;
-        let ahead = groups.each(|cells| {
-            let mut ahead = Ahead::default();
+        let mut ahead = groups.sum(Ahead::default(), |cells, ahead| {
             if !*is_embedded {
                 for_each!(cell of cells => cell.set_response(a));
             }
-            for_each!(cell of cells => cell.predict(rho, &mut ahead));
-            ahead
+            for_each!(cell of cells => cell.predict(rho, ahead));
         });
-        let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
         if self.is_embedded {
-            ahead.add(1.0, self.k, rho, dk);
+            ahead.take(1.0, self.k, rho, dk);
         }
         let after = ahead.products_after() / self.products;
         let ratio = if self.mu > 0.0 { after / self.mu } else { 0.0 };
@@ -368,16 +361,11 @@ impl<'a> Iteration<'a> {
         sum(&self.responses, &mut self.du);
         self.refine();
         let Self { groups, du, .. } = self;
-        let ahead = groups.each(|cells| {
-            let mut ahead = Ahead::default();
-            for_each!(cell of cells => {
-                cell.set_step(du, of_residuals, of_products, rho, &mut ahead);
-            });
-            ahead
+        let mut ahead = groups.sum(Ahead::default(), |cells, ahead| {
+            for_each!(cell of cells => cell.set_step(du, of_residuals, of_products, rho, ahead));
         });
-        let mut ahead = ahead.into_iter().fold(Ahead::default(), Ahead::and);
         if self.is_embedded {
-            ahead.add(1.0, self.k, rho, dk);
+            ahead.take(1.0, self.k, rho, dk);
         }
         ahead.bound_growth(MAX_PRODUCTS);
         self.make_step(ahead.length, rho, dk)
@@ -385,12 +373,9 @@ impl<'a> Iteration<'a> {
 
     /// Number of limits that have slack and multiplier, or violate either, by more than `size`.
     pub fn undecided(&mut self, size: f64) -> usize {
-        let counts = self.groups.each(|cells| {
-            let mut count = 0;
-            for_each!(cell of cells => count += cell.undecided(size));
-            count
-        });
-        counts.into_iter().sum()
+        self.groups.sum(0, |cells, count| {
+            for_each!(cell of cells => *count += cell.undecided(size));
+        })
     }
 
     /// Gives to the larger of slack and multiplier what limits with both above `size` have, with
@@ -413,9 +398,8 @@ impl<'a> Iteration<'a> {
         self.program.images.spread(&mut self.du);
         self.refine();
         let Self { groups, du, .. } = self;
-        groups.each(|cells| {
-            let mut ahead = Ahead::default();
-            for_each!(cell of cells => cell.set_step(du, 1.0, 1.0, 0.0, &mut ahead));
+        groups.sum(Ahead::default(), |cells, ahead| {
+            for_each!(cell of cells => cell.set_step(du, 1.0, 1.0, 0.0, ahead));
         });
         let is_finite = self.make_step(1.0, 0.0, 0.0);
         self.update_residuals();
@@ -428,14 +412,12 @@ impl<'a> Iteration<'a> {
             return (0.0, 0.0);
         }
         let corrector = &self.responses[2];
-        let gains = self.groups.each(|cells| {
-            let mut sum = 0.0;
-            for_each!(cell of cells => sum += cell.gain_of_corrector(corrector));
-            sum
+        let gain_of_cells = self.groups.sum(0.0, |cells, sum| {
+            for_each!(cell of cells => *sum += cell.gain_of_corrector(corrector));
         });
         let of_bodies = gain(self.program, &self.u, corrector);
         let of_kappa = self.k + of_tau - target;
-        let rho = self.growth(of_kappa, of_bodies + gains.into_iter().sum::<f64>());
+        let rho = self.growth(of_kappa, of_bodies + gain_of_cells);
         (rho, -of_kappa - self.k * rho)
     }
 
@@ -461,14 +443,15 @@ impl<'a> Iteration<'a> {
     /// Refines the solution of the condensed system, on the operator whose matrix was factorised.
     fn refine(&mut self) {
         let force = self.force();
-        let Self { program, matrix, groups, weight, right, du, defect, .. } = self;
+        let Self { program, matrix, groups, proximal, right, du, defect, .. } = self;
         let n = program.free.len();
         let set = |du: &[[f64; 3]], defect: &mut [[f64; 3]]| {
             defect[n..].fill([0.0; 3]);
             for (i, defect) in defect[..n].iter_mut().enumerate() {
                 for k in 0..3 {
+                    let weight = program.weight[i][k] + *proximal;
                     let is_free = program.free[i][k];
-                    defect[k] = if is_free { right[i][k] - weight[i][k] * du[i][k] } else { 0.0 };
+                    defect[k] = if is_free { right[i][k] - weight * du[i][k] } else { 0.0 };
                 }
             }
             groups.scatter(defect, |cells, defect| {

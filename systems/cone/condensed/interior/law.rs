@@ -1,6 +1,8 @@
-//! The law of one interaction: its limits, and the rows of its two bodies.
+//! The law of one interaction: its limits, their slacks and multipliers, and the rows of its two
+//! bodies.
 
-use super::super::scaled::{Local, add_forces, kinematics};
+use super::super::scaled::{Arms, Local, first};
+use super::point::slack;
 
 /// Maximum number of pairs of limits.
 pub const MAX_PAIRS: usize = 2;
@@ -8,8 +10,7 @@ pub const MAX_PAIRS: usize = 2;
 /// The law of an interaction with `F` forces and `Q` limits: see [`Local`].
 #[derive(Clone, Debug)]
 pub struct Law<const F: usize, const Q: usize> {
-    pub bodies: [u32; 2],
-    pub rows: [[[f64; F]; 3]; 2],
+    pub arms: Arms<F>,
     pub compliance: [f64; F],
     pub linear: [f64; F],
     /// Slope m of each pair of limits, `-m p + x` and `-m p - x`.
@@ -21,11 +22,6 @@ pub struct Law<const F: usize, const Q: usize> {
 pub struct Rows<'a> {
     pub first: u32,
     pub rows: &'a mut [[f64; 3]],
-}
-
-/// The first of these numbers.
-pub fn first<const N: usize>(x: &[f64]) -> [f64; N] {
-    std::array::from_fn(|k| x[k])
 }
 
 impl<const F: usize, const Q: usize> Law<F, Q> {
@@ -56,21 +52,60 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
     }
 
     pub fn new(local: &Local) -> Self {
+        let mut limits = local.limits();
         Self {
-            bodies: local.bodies.map(|i| i as u32),
-            rows: local.rows.map(|rows| rows.map(|row| first(&row))),
+            arms: Arms::of(local),
             compliance: first(&local.compliance),
             linear: first(&local.linear),
-            slopes: std::array::from_fn(|k| -local.limits[2 * k][0]),
-            right: first(&local.right),
+            slopes: std::array::from_fn(|k| {
+                if k < Self::PAIRS { local.slopes[Self::force(k) - 1] } else { 0.0 }
+            }),
+            right: std::array::from_fn(|_| limits.next().map_or(0.0, |(_, strength)| strength)),
         }
     }
 
-    pub fn kinematics(&self, u: &[[f64; 3]]) -> [f64; F] {
-        kinematics(self.bodies, &self.rows, u)
+    pub fn add_forces(&self, s: &[f64; F], sign: f64, out: &mut Rows) {
+        self.arms.add_forces_from(out.first, s, sign, out.rows);
+    }
+}
+
+/// Slacks and multipliers of the limits. They are positive.
+#[derive(Clone, Copy, Debug)]
+pub struct Slacks<const Q: usize> {
+    /// Slacks w.
+    pub w: [f64; Q],
+    /// Multipliers lambda.
+    pub lambda: [f64; Q],
+}
+
+impl<const Q: usize> Slacks<Q> {
+    /// Sets slack and multiplier of a limit to this difference, `w - lambda`, and product.
+    #[inline]
+    pub fn set(&mut self, q: usize, difference: f64, product: f64) {
+        self.w[q] = slack(difference, product);
+        self.lambda[q] = product / self.w[q];
     }
 
-    pub fn add_forces(&self, s: &[f64; F], sign: f64, out: &mut Rows) {
-        add_forces(self.bodies.map(|i| i - out.first), &self.rows, s, sign, out.rows);
+    /// Products `w lambda`.
+    #[inline]
+    pub fn products(&self) -> [f64; Q] {
+        std::array::from_fn(|q| self.w[q] * self.lambda[q])
+    }
+}
+
+/// Steps of the forces, slacks and multipliers of one interaction.
+#[derive(Clone, Copy, Debug)]
+pub struct Step<const F: usize, const Q: usize> {
+    /// Steps of the forces.
+    pub s: [f64; F],
+    /// Steps of the slacks.
+    pub w: [f64; Q],
+    /// Steps of the multipliers.
+    pub lambda: [f64; Q],
+}
+
+impl<const F: usize, const Q: usize> Default for Step<F, Q> {
+    fn default() -> Self {
+        Self { s: [0.0; F], w: [0.0; Q], lambda: [0.0; Q] }
     }
 }

@@ -28,8 +28,7 @@
 //! tension, follows from the stationarity of p. These sums are the *ties* of p. With two ties the
 //! stationarity of p gives their sum only, and the relation of each tie to p gives its share.
 
-use super::law::{Law, MAX_PAIRS};
-use super::slacks::{Right, Slacks, Step};
+use super::law::{Law, MAX_PAIRS, Slacks, Step};
 
 /// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the
 /// limits of the pair alone.
@@ -119,7 +118,6 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     /// Steps of the forces, for the kinematics less the residuals of stationarity `e` and the right
     /// sides `b` of the limits.
     #[inline]
-    #[must_use]
     pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {
         let mut of_p = e[0];
         if Law::<F, Q>::HAS_TENSION {
@@ -148,14 +146,19 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         lean * e[Law::<F, Q>::force(k)] - pair.pulls[0] * b[x] - pair.pulls[1] * b[x + 1]
     }
 
-    /// Steps of forces, slacks and multipliers.
+    /// Steps of forces, slacks and multipliers, for the kinematics less the residuals of stationarity
+    /// `e`, the defects d of the limits, and the products c.
     #[inline]
-    #[must_use]
-    pub fn solve(&self, law: &Law<F, Q>, slacks: &Slacks<Q>, right: &Right<F, Q>) -> Step<F, Q> {
-        let b = right.of_limits(slacks);
-        let Right { kinematics: e, defect, product } = right;
+    pub fn solve(
+        &self,
+        law: &Law<F, Q>,
+        Slacks { w, lambda }: &Slacks<Q>,
+        e: &[f64; F],
+        defect: &[f64; Q],
+        product: &[f64; Q],
+    ) -> Step<F, Q> {
+        let b = std::array::from_fn(|q| product[q] / lambda[q] - defect[q]);
         let ds = self.forces(law, e, &b);
-        let Slacks { w, lambda } = slacks;
         let (mut dw, mut dlambda) = ([0.0; Q], [0.0; Q]);
         // At first no limit counts as active.
         for q in 0..Q {
@@ -255,8 +258,8 @@ mod tests {
     use proptest::prelude::*;
     use proptest::test_runner::TestRunner;
 
-    use super::super::law::Law;
-    use super::super::slacks::{Right, Slacks, Step};
+    use super::super::super::scaled::Arms;
+    use super::super::law::{Law, Slacks, Step};
     use super::{LocalSystem, MIN_TIE_SLOPE};
 
     fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
@@ -268,8 +271,7 @@ mod tests {
         let slope = prop_oneof![Just(0.0), Just(1e-9), 1e-3..1.0_f64];
         let input = (prop::array::uniform3(compliance), slope, 1e-3..1.0_f64);
         input.prop_map(|([n, t, r], first, second)| Law {
-            bodies: [0, 1],
-            rows: [[[0.0; F]; 3]; 2],
+            arms: Arms { bodies: [0, 1], rows: [[[0.0; F]; 3]; 2] },
             // The shear force of a wheel has a compliance and no limits.
             compliance: std::array::from_fn(|f| match f {
                 0 => n,
@@ -285,19 +287,16 @@ mod tests {
     }
 
     /// Not too far from the central path: products differ by a factor of 1e4 at most.
-    fn slacks<const F: usize, const Q: usize>() -> impl Strategy<Value = (Slacks<Q>, Right<F, Q>)> {
+    fn slacks<const Q: usize>() -> impl Strategy<Value = (Slacks<Q>, [[f64; Q]; 2])> {
         let each = |_| (power(-8.0..2.0), power(-2.0..2.0), -1.0..1.0_f64, 0.0..2.0_f64);
         (power(-10.0..0.0), std::array::from_fn::<_, Q, _>(each)).prop_map(|(mu, each)| {
             let slacks = Slacks {
                 w: each.map(|(w, ..)| w),
                 lambda: each.map(|(w, product, ..)| mu * product / w),
             };
-            let right = Right {
-                kinematics: [0.0; F],
-                defect: each.map(|(w, _, defect, _)| defect * w),
-                product: each.map(|(_, product, _, part)| mu * product * part),
-            };
-            (slacks, right)
+            let defect = each.map(|(w, _, defect, _)| defect * w);
+            let product = each.map(|(_, product, _, part)| mu * product * part);
+            (slacks, [defect, product])
         })
     }
 
@@ -311,10 +310,9 @@ mod tests {
 
     /// The steps fulfil the three equations of the system, each to round-off of its terms.
     fn check<const F: usize, const Q: usize>() {
-        let input = (law::<F, Q>(), slacks::<F, Q>(), prop::array::uniform3(-1.0..1.0_f64));
-        let result = TestRunner::default().run(&input, |(law, (slacks, right), e)| {
+        let input = (law::<F, Q>(), slacks::<Q>(), prop::array::uniform3(-1.0..1.0_f64));
+        let result = TestRunner::default().run(&input, |(law, (slacks, [defect, product]), e)| {
             let e: [f64; F] = std::array::from_fn(|f| e[f]);
-            let right = Right { kinematics: e, ..right };
             // Both limits of a pair without slope are active only if it has almost no strength.
             let active = |q: usize| slacks.lambda[q] > slacks.w[q];
             let no_strength =
@@ -322,8 +320,9 @@ mod tests {
             prop_assume!(!(0..Law::<F, Q>::PAIRS).any(no_strength));
             let mut system = LocalSystem::default();
             system.set(&law, &slacks, 0.0);
-            let Step { s: ds, w: dw, lambda: dlambda } = system.solve(&law, &slacks, &right);
-            let (Slacks { w, lambda }, Right { defect, product, .. }) = (slacks, right);
+            let Step { s: ds, w: dw, lambda: dlambda } =
+                system.solve(&law, &slacks, &e, &defect, &product);
+            let Slacks { w, lambda } = slacks;
             let mut rows: Vec<Vec<f64>> =
                 (0..F).map(|f| vec![law.compliance[f] * ds[f], -e[f]]).collect();
             // The multiplier of an inactive limit is as exact as its slack.

@@ -51,8 +51,8 @@
 //! | `ending` | the best point so far, and what ends the method |
 //! | `groups` | the interactions by branches of the matrix |
 //! | `cell` | one interaction |
-//! | `local_system` | elimination of one interaction |
-//! | `slacks` | slacks and multipliers of its limits |
+//! | `law` | its limits, their slacks and multipliers |
+//! | `local_system` | its elimination |
 
 mod cell;
 mod ending;
@@ -61,7 +61,6 @@ mod iteration;
 mod law;
 mod local_system;
 mod point;
-mod slacks;
 
 use self::ending::Ending;
 use self::iteration::Iteration;

@@ -3,32 +3,28 @@
 //!
 //! After a rupture a few contacts out of thousands change their state, and a cluster that came
 //! loose dominates the global direction. One global step length then serves one cluster per
-//! factorisation. Each cluster on its own is a small problem ([`patches`]). It is solved to the goal of
+//! factorisation. Each cluster on its own is a small problem (`patches`). It is solved to the goal of
 //! the whole program: if all but a few clusters are elastic, its unbalance becomes that of the whole
 //! program after the next step. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai
 //! and Keyes 2002.)
 //!
-//! Where a few fast bodies shorten a global step, the step is made without them ([`fast`]). Local
+//! Where a few fast bodies shorten a global step, the step is made without them (`fast`). Local
 //! elimination then balances them.
 
 mod fast;
-mod patch;
 mod patches;
 
-use self::fast::SlowPart;
-use self::patches::Patches;
 use super::MIN_FORCE;
 use super::matrix::BodyMatrix;
 use super::newton::{Between, Goal, Newton, Point, Step, iterate};
 use super::rolling_spring::RollingSpring;
 use super::scaled::Scaled;
-use super::settings::{LineSearchSettings, LocalSettings, NewtonSettings};
+use super::settings::{LocalSettings, NewtonSettings};
 use super::spring::{Elastic, Spring};
 use crate::adjacency::Adjacency;
 
 /// Solves the program from the displacements `start` until the unbalance over the maximum force is
 /// at most `goal`.
-#[must_use]
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
@@ -38,17 +34,7 @@ pub fn solve(
     goal: f64,
 ) -> Newton {
     let goal = Goal { unbalance: goal, min_force: MIN_FORCE };
-    let pairs = program.locals.iter().map(|l| program.pair(l));
-    let adjacency = Adjacency::new(program.free.len(), pairs);
-    let mut elimination = Elimination {
-        adjacency,
-        settings: local,
-        goal,
-        last_length: 0.0,
-        fast: Vec::new(),
-        is_done: false,
-        is_shared: matrix.is_shared(),
-    };
+    let mut elimination = Elimination::new(program, local, goal, matrix.is_shared());
     if program.locals.iter().any(|l| l.has[2]) {
         iterate::<RollingSpring, 3>(program, matrix, start, newton, goal, &mut elimination)
     } else {
@@ -58,6 +44,7 @@ pub fn solve(
 
 /// Local elimination between two steps.
 struct Elimination<'a> {
+    program: &'a Scaled,
     adjacency: Adjacency,
     settings: &'a LocalSettings,
     /// Goal of the iteration.
@@ -73,71 +60,69 @@ struct Elimination<'a> {
 }
 
 impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
-    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool {
+    fn move_bodies(&mut self, point: &mut Point<S, F>) -> bool {
         let is_first = !std::mem::replace(&mut self.is_done, true);
         let is_short = self.last_length < self.settings.short_step;
-        let moved =
-            is_first && (is_short || !self.fast.is_empty()) && self.eliminate(program, point);
+        let moved = is_first && (is_short || !self.fast.is_empty()) && self.eliminate(point);
         if !moved {
             self.is_done = false;
         }
         moved
     }
 
-    fn change_step(
-        &mut self,
-        program: &Scaled,
-        point: &Point<S, F>,
-        step: &mut Step<F>,
-        search: &LineSearchSettings,
-    ) {
+    fn change_step(&mut self, point: &Point<S, F>, step: &mut Step<F>, search: &NewtonSettings) {
         self.fast.clear();
         if step.length < self.settings.short_step
-            && let Some(slow) = SlowPart::of(program, &self.adjacency, self.settings, step)
+            && let Some((fast, slow)) = self.slow_part(step)
         {
-            let length = point.search(program, &slow.du, &slow.de, search);
+            let length = point.search(&slow, search);
             if length > self.settings.fast * step.length {
-                step.length = length.min(1.0);
-                step.du = slow.du;
-                self.fast = slow.fast;
+                *step = Step { length: length.min(1.0), ..slow };
+                self.fast = fast;
             }
         }
         self.last_length = step.length;
     }
 }
 
-impl Elimination<'_> {
+impl<'a> Elimination<'a> {
+    fn new(program: &'a Scaled, settings: &'a LocalSettings, goal: Goal, is_shared: bool) -> Self {
+        let pairs = program.locals.iter().map(|l| program.pair(l));
+        Self {
+            program,
+            adjacency: Adjacency::new(program.free.len(), pairs),
+            settings,
+            goal,
+            last_length: 0.0,
+            fast: Vec::new(),
+            is_done: false,
+            is_shared,
+        }
+    }
+
+    /// Whether a body is held: the cell, and walls, with more than `max_interactions` interactions.
+    /// They touch bodies everywhere and would join all patches to one.
+    fn is_held(&self, body: usize) -> bool {
+        self.adjacency.of(body).len() > self.settings.max_interactions
+            || self.program.images.is_cell(body)
+    }
+
     /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
     /// moved.
-    fn eliminate<S: Elastic<F>, const F: usize>(
-        &self,
-        program: &Scaled,
-        point: &mut Point<S, F>,
-    ) -> bool {
+    fn eliminate<S: Elastic<F>, const F: usize>(&self, point: &mut Point<S, F>) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
-        let n = program.free.len();
+        let n = self.program.free.len();
         let unbalance: Vec<f64> = point.gradient[..n].iter().map(of_body).collect();
         let maximum = unbalance.iter().copied().fold(0.0, f64::max);
-        let settings = self.settings;
-        let is_seed =
-            |i: usize| unbalance[i] > settings.share * maximum || self.fast.get(i) == Some(&true);
-        let patches = Patches::new(program, &self.adjacency, settings).grow(is_seed);
+        let share = self.settings.share;
+        let patches =
+            self.patches(|i| unbalance[i] > share * maximum || self.fast.get(i) == Some(&true));
         let goal = Goal { min_force: point.force, ..self.goal };
-        let solutions = patch::balance_all::<S, F>(
-            program,
-            &self.adjacency,
-            settings,
-            &patches,
-            &point.u,
-            goal,
-            self.is_shared,
-        );
-        let mut moved = false;
-        for (i, u) in solutions {
-            point.u[i] = u;
-            moved = true;
+        let solutions = self.balance_all::<S, F>(&patches, &point.u, goal);
+        for (i, u) in &solutions {
+            point.u[*i] = *u;
         }
-        moved
+        !solutions.is_empty()
     }
 }
 

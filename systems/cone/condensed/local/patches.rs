@@ -1,29 +1,19 @@
-//! Selects the bodies that are eliminated and divides them into patches.
+//! Selects the bodies that are eliminated, divides them into patches of bodies that are joined by
+//! interactions, and balances each with all other bodies held.
 
+use super::super::matrix::{BodyMatrix, places};
+use super::super::newton::{Goal, Nothing, iterate};
+use super::super::parallel::in_parallel;
 use super::super::scaled::Scaled;
-use super::super::settings::LocalSettings;
-use crate::adjacency::Adjacency;
+use super::super::spring::Elastic;
+use super::Elimination;
 
-/// Whether a body is treated as a wall: it has more than `max_interactions` interactions. A wall
-/// touches bodies everywhere and would join all patches to one, so that it is held.
-pub fn is_wall(adjacency: &Adjacency, settings: &LocalSettings, body: usize) -> bool {
-    adjacency.of(body).len() > settings.max_interactions
-}
+/// Bodies with their displacements.
+type Moved = Vec<(usize, [f64; 3])>;
 
-/// Finds patches: bodies that are joined by interactions and are solved for together.
-pub struct Patches<'a> {
-    program: &'a Scaled,
-    adjacency: &'a Adjacency,
-    settings: &'a LocalSettings,
-}
-
-impl<'a> Patches<'a> {
-    pub fn new(program: &'a Scaled, adjacency: &'a Adjacency, settings: &'a LocalSettings) -> Self {
-        Self { program, adjacency, settings }
-    }
-
+impl Elimination<'_> {
     /// The patches around the seeds, each with its bodies in ascending order.
-    pub fn grow(&self, is_seed: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
+    pub(super) fn patches(&self, is_seed: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
         let n = self.program.free.len();
         let mut inside = vec![false; n];
         let mut bodies: Vec<usize> = (0..n).filter(|i| is_seed(*i) && self.is_mobile(*i)).collect();
@@ -36,10 +26,7 @@ impl<'a> Patches<'a> {
     }
 
     fn is_mobile(&self, i: usize) -> bool {
-        // A patch moves with the cell held.
-        self.program.free[i].contains(&true)
-            && !is_wall(self.adjacency, self.settings, i)
-            && !self.program.images.is_cell(i)
+        self.program.free[i].contains(&true) && !self.is_held(i)
     }
 
     /// The bodies that interactions join to body `i`.
@@ -91,22 +78,100 @@ impl<'a> Patches<'a> {
         }
         patches
     }
+
+    /// Displacements of the bodies of all patches, each in balance with all others held at `u`.
+    /// Threads share the patches of a program that is worth it.
+    pub(super) fn balance_all<S: Elastic<F>, const F: usize>(
+        &self,
+        patches: &[Vec<usize>],
+        u: &[[f64; 3]],
+        goal: Goal,
+    ) -> Moved {
+        let balance = |members: &Vec<usize>| self.balance::<S, F>(members, u, goal);
+        let solutions: Vec<Option<Moved>> = if self.is_shared {
+            in_parallel(patches.iter(), balance)
+        } else {
+            patches.iter().map(balance).collect()
+        };
+        solutions.into_iter().flatten().flatten().collect()
+    }
+
+    /// Displacements of the `members` with all others held where `start` has them; `None` if the
+    /// result is not finite.
+    fn balance<S: Elastic<F>, const F: usize>(
+        &self,
+        members: &[usize],
+        start: &[[f64; 3]],
+        goal: Goal,
+    ) -> Option<Moved> {
+        let program = self.program;
+        let mut used: Vec<usize> =
+            members.iter().flat_map(|i| self.adjacency.of(*i)).copied().collect();
+        used.sort_unstable();
+        used.dedup();
+        let mut bodies: Vec<usize> = used
+            .iter()
+            .flat_map(|k| program.pair(&program.locals[*k]))
+            .chain(members.iter().copied())
+            .collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
+        let of_pair =
+            |k: &usize| program.pair(&program.locals[*k]).map(|i| number(i) as u32).into();
+        let pairs: Vec<(u32, u32)> = used.iter().map(of_pair).collect();
+        let mut matrix = BodyMatrix::new(bodies.len(), &pairs)?;
+        let place = places(matrix.order());
+        let number = |i: usize| place[number(i)];
+        let bodies: Vec<usize> = matrix.order().iter().map(|k| bodies[*k]).collect();
+        let is_member = |i: usize| members.binary_search(&i).is_ok();
+        let mut part = Scaled::default();
+        for &i in &bodies {
+            let free = if is_member(i) { program.free[i] } else { [false; 3] };
+            part.free.push(free);
+            part.weight.push(program.weight[i]);
+            part.right.push(program.right[i]);
+            part.known.push(start[i]);
+        }
+        let with_others_held = |&k: &usize| {
+            let mut l = program.with_cell_held(&program.locals[k], start);
+            let bodies = l.arms.bodies.map(|i| i as usize);
+            for side in (0..2).filter(|side| !is_member(bodies[*side])) {
+                let rows = std::mem::take(&mut l.arms.rows[side]);
+                for (row, u) in rows.iter().zip(&start[bodies[side]]) {
+                    for f in 0..3 {
+                        l.linear[f] -= row[f] * u;
+                    }
+                }
+            }
+            l.arms.bodies = bodies.map(|i| number(i) as u32);
+            l
+        };
+        part.locals = used.iter().map(with_others_held).collect();
+        let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
+        let result =
+            iterate::<S, F>(&part, &mut matrix, &from, &self.settings.newton, goal, &mut Nothing);
+        if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
+            return None;
+        }
+        Some(bodies.into_iter().zip(result.u).filter(|(i, _)| is_member(*i)).collect())
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::super::samples::column;
+    use super::super::super::settings::LocalSettings;
     use super::*;
 
     /// A column of nine bodies on body 0, which is held, with a seed in its middle.
     fn patches(change: impl Fn(&mut LocalSettings)) -> Vec<Vec<usize>> {
         let program = column(9, 0.1);
-        let natural: Vec<usize> = (0..10).collect();
-        let scaled = Scaled::new(&program, &natural);
-        let adjacency = Adjacency::new(10, scaled.locals.iter().map(|l| l.bodies));
+        let scaled = Scaled::natural(&program);
         let mut settings = LocalSettings::default();
         change(&mut settings);
-        Patches::new(&scaled, &adjacency, &settings).grow(|i| i == 5)
+        let goal = Goal { unbalance: 0.0, min_force: 0.0 };
+        Elimination::new(&scaled, &settings, goal, false).patches(|i| i == 5)
     }
 
     #[test]

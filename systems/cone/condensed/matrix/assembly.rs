@@ -1,41 +1,40 @@
-//! Adds blocks of bodies and pairs to the values of the matrix.
+//! Adds blocks of bodies and pairs to the values of a matrix.
 
-use super::cholesky::{DIAGONAL, PAIR};
+use super::factor::Arithmetic;
+use super::layout::PairPlace;
 use crate::condensed::images::Images;
-
-/// Place of a pair (a, b) in the values of the matrix.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct PairPlace {
-    /// Start of its block: three columns of three rows.
-    pub start: usize,
-    /// Whether columns belong to a, and rows to b.
-    pub forward: bool,
-    /// The places of its bodies.
-    pub bodies: [u32; 2],
-}
+use crate::condensed::scaled::Scaled;
 
 /// Values to add to: those of a branch, so that threads can add to several branches at once, or
 /// all.
-pub struct Assembly<'a> {
-    pub(super) values: &'a mut [f64],
-    /// Start of these values among all.
-    pub(super) first: usize,
-    pub(super) diagonal: &'a [usize],
-    pub(super) pairs: &'a [PairPlace],
+pub struct Assembly<'a, A: Arithmetic> {
+    pub(super) bodies: &'a mut [A::Body],
+    pub(super) pairs: &'a mut [A::Pair],
+    /// Places of the first of these bodies and pairs among all.
+    pub(super) first: [usize; 2],
+    pub(super) places: &'a [PairPlace],
     pub(super) images: &'a Images,
 }
 
-impl Assembly<'_> {
+impl<A: Arithmetic> Assembly<'_, A> {
     /// Adds to the diagonal at degree of freedom `k` of a body: 0 and 1 are translations, 2 is the
     /// rotation.
     #[inline]
     pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
-        self.values[self.diagonal[body] - self.first + [0, 3, 5][k]] += value;
+        self.bodies[body - self.first[0]].as_mut()[A::DIAGONAL[k]] += value;
+    }
+
+    /// Adds the weights of a program and `extra` on free degrees of freedom, and 1 on fixed ones.
+    pub fn add_weights(&mut self, program: &Scaled, extra: f64) {
+        for (i, (free, weight)) in program.free.iter().zip(&program.weight).enumerate() {
+            for k in 0..3 {
+                self.add_diagonal(i, k, if free[k] { weight[k] + extra } else { 1.0 });
+            }
+        }
     }
 
     /// Adds `G D G'` of a pair. `G` has `F` columns, in the rows of its two bodies in the order of
-    /// the pair in the pattern. `D` is symmetric. With an image as the second body the cell takes
-    /// part too.
+    /// the pair in the pattern. With an image as the second body the cell takes part too.
     #[inline]
     pub fn add<const F: usize>(
         &mut self,
@@ -47,8 +46,8 @@ impl Assembly<'_> {
             self.add_with_cell(pair, with_cell, image, rows, d);
             return;
         }
-        for (rows, body) in rows.iter().zip(self.pairs[pair].bodies) {
-            self.add_body(body, rows, d);
+        for (rows, body) in rows.iter().zip(self.places[pair].bodies) {
+            A::add_body(&mut self.bodies[body - self.first[0]], rows, d);
         }
         self.add_pair(pair, [&rows[0], &rows[1]], d);
     }
@@ -63,10 +62,10 @@ impl Assembly<'_> {
         d: &[[f64; F]; F],
     ) {
         let (of_b, of_cell) = self.images.rows(image, &rows[1]);
-        let [a, b] = self.pairs[pair].bodies;
-        let [_, cell] = self.pairs[with_cell].bodies;
+        let [a, b] = self.places[pair].bodies;
+        let [_, cell] = self.places[with_cell].bodies;
         for (rows, body) in [(&rows[0], a), (&of_b, b), (&of_cell, cell)] {
-            self.add_body(body, rows, d);
+            A::add_body(&mut self.bodies[body - self.first[0]], rows, d);
         }
         self.add_pair(pair, [&rows[0], &of_b], d);
         self.add_pair(with_cell, [&rows[0], &of_cell], d);
@@ -74,38 +73,30 @@ impl Assembly<'_> {
     }
 
     #[inline]
-    fn add_body<const F: usize>(&mut self, body: u32, rows: &[[f64; F]; 3], d: &[[f64; F]; F]) {
-        let left = times(rows, d);
-        let start = self.diagonal[body as usize] - self.first;
-        let block = &mut self.values[start..start + DIAGONAL];
-        for (k, (c, r)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
-        {
-            block[k] += dot(&left[c], &rows[r]);
-        }
-    }
-
-    #[inline]
     fn add_pair<const F: usize>(
         &mut self,
         pair: usize,
-        rows: [&[[f64; F]; 3]; 2],
+        [a, b]: [&[[f64; F]; 3]; 2],
         d: &[[f64; F]; F],
     ) {
-        let PairPlace { start, forward, .. } = self.pairs[pair];
-        let [of_columns, of_rows] = if forward { [0, 1] } else { [1, 0] };
-        let left = times(rows[of_columns], d);
-        let start = start - self.first;
-        let block = &mut self.values[start..start + PAIR];
-        for (left, column) in left.iter().zip(block.chunks_exact_mut(3)) {
-            for (value, row) in column.iter_mut().zip(rows[of_rows]) {
-                *value += dot(left, row);
-            }
+        let PairPlace { place, bodies } = self.places[pair];
+        let rows = if bodies[0] < bodies[1] { [a, b] } else { [b, a] };
+        A::add_pair(&mut self.pairs[place - self.first[1]], rows, d);
+    }
+}
+
+/// Adds the scalar products of the rows of two bodies to a block, row by row of the first.
+#[inline]
+pub fn add_products<const F: usize>(block: &mut [f64], left: &[[f64; F]; 3], rows: &[[f64; F]; 3]) {
+    for (left, values) in left.iter().zip(block.chunks_exact_mut(3)) {
+        for (value, row) in values.iter_mut().zip(rows) {
+            *value += dot(left, row);
         }
     }
 }
 
 #[inline]
-fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
+pub fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
     let mut sum = 0.0;
     for f in 0..F {
         sum += x[f] * y[f];
@@ -113,8 +104,9 @@ fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
     sum
 }
 
+/// The rows times a matrix.
 #[inline]
-fn times<const F: usize>(rows: &[[f64; F]; 3], d: &[[f64; F]; F]) -> [[f64; F]; 3] {
+pub fn times<const F: usize>(rows: &[[f64; F]; 3], d: &[[f64; F]; F]) -> [[f64; F]; 3] {
     let mut out = [[0.0; F]; 3];
     for (out, row) in out.iter_mut().zip(rows) {
         for f in 0..F {

@@ -4,26 +4,17 @@ use std::ops::Range;
 
 use pulp::Simd;
 
+use super::assembly::{add_products, dot, times};
 use super::dense::{self, LANES, Triangle};
-use super::factor::{Arithmetic, At};
+use super::factor::{Arithmetic, At, Values};
 use super::fronts::{Front, Fronts, Task};
 use super::packed;
 use super::share::{By, Share};
 
-/// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair.
-pub const DIAGONAL: usize = 6;
-pub const PAIR: usize = 9;
-
-/// The fronts, and the places of their values.
-pub struct Pattern {
-    pub fronts: Fronts,
-    /// Start of the values of each front.
-    pub starts: Vec<usize>,
-    /// Place of the block of each pair, in the order of the values, in the trapezoid of its front.
-    pub targets: Vec<u32>,
-    /// Start of the targets of each front.
-    pub target_starts: Vec<usize>,
-}
+/// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair: three columns of
+/// the body that is eliminated first.
+const DIAGONAL: usize = 6;
+const PAIR: usize = 9;
 
 /// The factor of a task.
 pub struct Cholesky {
@@ -31,38 +22,40 @@ pub struct Cholesky {
     factor: Vec<f64>,
     /// Diagonal blocks, in the order of elimination.
     triangles: Vec<Triangle>,
-    /// Numbers that its fronts need in [`Trapezoid`], each at most.
-    current: [usize; 2],
-}
-
-/// Numbers of the front that is being eliminated: its trapezoid, and the copy of it if it is large.
-#[derive(Default)]
-pub struct Trapezoid {
-    panel: Vec<f64>,
-    packed: Vec<f64>,
 }
 
 impl Arithmetic for Cholesky {
-    /// The places of the values, and the values.
-    type Values<'a> = (&'a Pattern, &'a [f64]);
-    type Current = Trapezoid;
+    type Body = [f64; DIAGONAL];
+    type Pair = [f64; PAIR];
 
-    fn new(fronts: &Fronts, task: &Task) -> Self {
-        let list = &fronts.list[task.fronts.clone()];
-        let maximum = |of: fn(&Front) -> usize| list.iter().map(of).max().unwrap_or(0);
-        Self {
-            factor: vec![0.0; task.factor_len],
-            triangles: vec![[0.0; 6]; task.places.len()],
-            current: [maximum(Front::panel_len), maximum(packed::packed_len)],
+    const DIAGONAL: [usize; 3] = [0, 3, 5];
+
+    #[inline]
+    fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]) {
+        let left = times(rows, d);
+        for (k, (c, r)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
+        {
+            block[k] += dot(&left[c], &rows[r]);
         }
     }
 
-    fn fit(&self, Trapezoid { panel, packed }: &mut Trapezoid) {
-        for (numbers, len) in [panel, packed].into_iter().zip(self.current) {
-            if numbers.len() < len {
-                *numbers = vec![0.0; len];
-            }
-        }
+    #[inline]
+    fn add_pair<const F: usize>(
+        block: &mut Self::Pair,
+        [of_columns, of_rows]: [&[[f64; F]; 3]; 2],
+        d: &[[f64; F]; F],
+    ) {
+        add_products(block, &times(of_columns, d), of_rows);
+    }
+
+    fn new(_: &Fronts, task: &Task) -> Self {
+        let triangles = vec![[0.0; 6]; task.places.len()];
+        Self { factor: vec![0.0; task.factor_len], triangles }
+    }
+
+    /// Its trapezoid, and the copy of it if it is large.
+    fn room(front: &Front) -> [usize; 2] {
+        [front.panel_len(), packed::packed_len(front)]
     }
 
     #[inline(always)]
@@ -70,30 +63,25 @@ impl Arithmetic for Cholesky {
         &mut self,
         By(share, simd): By<impl Share, S>,
         at: At,
-        (pattern, values): Self::Values<'_>,
+        values: Values<Self::Body, Self::Pair>,
         update_of: impl Fn(usize) -> &'a [f64],
         update: &mut [f64],
-        current: &mut Trapezoid,
+        [panel, packed]: [&mut [f64]; 2],
     ) -> bool {
-        let (front, number) = (at.front, at.number);
+        let front = at.front;
         let (height, width) = (front.height(), front.width());
-        let panel = &mut current.panel[..front.panel_len()];
         panel.fill(0.0);
-        let (diagonal, blocks) =
-            values[pattern.starts[number]..].split_at(DIAGONAL * front.pivots.len());
-        for (k, block) in diagonal.as_chunks().0.iter().enumerate() {
+        for (k, block) in at.of_pivots(values.bodies).iter().enumerate() {
             set_diagonal(panel, height, 3 * k, block);
         }
-        let [first, end] = [number, number + 1].map(|k| pattern.target_starts[k]);
-        let targets = &pattern.targets[first..end];
-        for (&target, block) in targets.iter().zip(blocks.as_chunks().0) {
-            add_block(panel, height, target as usize, block);
+        for ([column, row], block) in at.of_pairs(values.pairs) {
+            let start = 3 * *column as usize * height + 3 * *row as usize;
+            dense::add_block(panel, height, start, block);
         }
         for (child, of_child, places) in at.children() {
             extend(panel, height, 0, update_of(child), places, 0..of_child.inside);
         }
         let triangles = &mut self.triangles[front.pivots.clone()];
-        let packed = &mut current.packed[..packed::packed_len(front)];
         let definite = if packed.is_empty() {
             dense::factorise(panel, height, triangles)
         } else {
@@ -138,16 +126,6 @@ fn set_diagonal(panel: &mut [f64], height: usize, pivot: usize, block: &[f64; DI
     for (c, values) in columns.into_iter().enumerate() {
         let start = (pivot + c) * height + pivot + c;
         panel[start..start + values.len()].copy_from_slice(values);
-    }
-}
-
-#[inline(always)]
-fn add_block(panel: &mut [f64], height: usize, target: usize, block: &[f64; PAIR]) {
-    for (c, values) in block.as_chunks::<3>().0.iter().enumerate() {
-        let start = target + c * height;
-        for (x, value) in panel[start..start + 3].iter_mut().zip(values) {
-            *x += value;
-        }
     }
 }
 

@@ -18,6 +18,16 @@ pub const LANES: usize = 4;
 /// Lower triangle of three, column by column, with the inverses of the numbers on its diagonal.
 pub type Triangle = [f64; 6];
 
+/// Adds a block of three lines of three numbers, from `start` on; lines are `len` apart.
+#[inline(always)]
+pub fn add_block(numbers: &mut [f64], len: usize, start: usize, block: &[f64; 9]) {
+    for (k, values) in block.as_chunks::<3>().0.iter().enumerate() {
+        for (x, value) in numbers[start + k * len..][..3].iter_mut().zip(values) {
+            *x += value;
+        }
+    }
+}
+
 /// Sum over columns of the rows `i..i + R` times each of the three rows from `b`.
 #[inline(always)]
 fn products<const R: usize>(columns: &[f64], height: usize, i: usize, b: usize) -> [[f64; R]; 3] {
@@ -103,20 +113,30 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
 
 /// Factorises three columns, after the products of the preceding columns have been subtracted.
 #[inline(always)]
-fn finish_block(block: &mut [f64], height: usize, pivot: usize, triangle: &mut Triangle) -> bool {
+pub fn finish_block(
+    block: &mut [f64],
+    height: usize,
+    pivot: usize,
+    triangle: &mut Triangle,
+) -> bool {
     let (x, rest) = block.split_at_mut(height);
     let (y, z) = rest.split_at_mut(height);
     let diagonal = [x[pivot], x[pivot + 1], x[pivot + 2], y[pivot + 1], y[pivot + 2], z[pivot + 2]];
     let Some(factor) = factor_of(diagonal) else { return false };
     *triangle = factor;
-    let [xx, xy, xz, yy, yz, zz] = factor;
-    let below = pivot + 3;
-    for ((x, y), z) in x[below..].iter_mut().zip(&mut y[below..]).zip(&mut z[below..]) {
+    divide([x, y, z], pivot + 3, triangle);
+    true
+}
+
+/// Divides three columns, from the row `first` on, by their triangle.
+#[inline(always)]
+pub fn divide([x, y, z]: [&mut [f64]; 3], first: usize, triangle: &Triangle) {
+    let [xx, xy, xz, yy, yz, zz] = *triangle;
+    for ((x, y), z) in x[first..].iter_mut().zip(&mut y[first..]).zip(&mut z[first..]) {
         *x *= xx;
         *y = (-xy).mul_add(*x, *y) * yy;
         *z = (-yz).mul_add(*y, (-xz).mul_add(*x, *z)) * zz;
     }
-    true
 }
 
 /// Positive and finite.
@@ -127,7 +147,7 @@ fn is_pivot(x: f64) -> bool {
 
 /// Cholesky factor of a symmetric block, whose lower triangle is given by columns.
 #[inline(always)]
-pub fn factor_of([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Triangle> {
+fn factor_of([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<Triangle> {
     if !is_pivot(xx) {
         return None;
     }

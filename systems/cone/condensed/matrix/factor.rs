@@ -18,27 +18,39 @@ use crate::condensed::parallel::{Lent, split};
 /// The factor of a task, and the arithmetic of its fronts. All functions are inlined into a caller
 /// that is compiled for the instructions of the machine.
 pub trait Arithmetic: Send + Sync {
-    /// Values of the matrix, by front.
-    type Values<'a>: Copy + Sync;
-    /// Numbers of the front that is being eliminated.
-    type Current: Default + Send;
+    /// Numbers of a body and of a pair in the matrix.
+    type Body: AsMut<[f64]> + Copy + Default + Send + Sync;
+    type Pair: Copy + Default + Send + Sync;
+    /// Places of the diagonal in the numbers of a body.
+    const DIAGONAL: [usize; 3];
+
+    /// Adds `G D G'` to the numbers of a body with the rows G.
+    fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]);
+
+    /// Adds `G D G'` to the numbers of a pair with the rows G, those of the body that is eliminated
+    /// first coming first.
+    fn add_pair<const F: usize>(
+        block: &mut Self::Pair,
+        rows: [&[[f64; F]; 3]; 2],
+        d: &[[f64; F]; F],
+    );
 
     /// Room for the factor of a task.
     fn new(fronts: &Fronts, task: &Task) -> Self;
 
-    /// Makes room for all fronts of the task.
-    fn fit(&self, current: &mut Self::Current);
+    /// Numbers of two kinds that a front needs while it is being eliminated.
+    fn room(front: &Front) -> [usize; 2];
 
-    /// Eliminates the pivots of a front, and sets its update; whether they can be eliminated.
-    /// `update_of` has the updates of its children.
+    /// Eliminates the pivots of a front in this room, and sets its update; whether they can be
+    /// eliminated. `update_of` has the updates of its children.
     fn eliminate<'a, S: Simd>(
         &mut self,
         by: By<impl Share, S>,
         at: At,
-        values: Self::Values<'_>,
+        values: Values<Self::Body, Self::Pair>,
         update_of: impl Fn(usize) -> &'a [f64],
         update: &mut [f64],
-        current: &mut Self::Current,
+        room: [&mut [f64]; 2],
     ) -> bool;
 
     /// Forward solve of one front. `local` has the numbers of its pivots and rows, and [`LANES`]
@@ -50,10 +62,18 @@ pub trait Arithmetic: Send + Sync {
     fn backward(&self, at: At, local: &mut [f64]);
 }
 
+/// Values of the matrix: blocks of bodies in the order of elimination, and of pairs front by front.
+#[derive(Clone, Copy)]
+pub struct Values<'a, B, P> {
+    pub bodies: &'a [B],
+    pub pairs: &'a [P],
+}
+
 /// A front and its place.
 #[derive(Clone, Copy)]
 pub struct At<'a> {
     pub fronts: &'a Fronts,
+    task: &'a Task,
     /// Its number among all, and within its task.
     pub number: usize,
     pub within: usize,
@@ -63,10 +83,28 @@ pub struct At<'a> {
 impl<'a> At<'a> {
     /// The fronts of a task.
     fn all(fronts: &'a Fronts, task: usize) -> impl DoubleEndedIterator<Item = Self> {
-        let own = &fronts.tasks[task].fronts;
-        let first = own.start;
-        let list = fronts.list[own.clone()].iter().enumerate();
-        list.map(move |(within, front)| Self { fronts, number: first + within, within, front })
+        let task = &fronts.tasks[task];
+        let first = task.fronts.start;
+        let list = fronts.list[task.fronts.clone()].iter().enumerate();
+        list.map(move |(within, front)| Self {
+            fronts,
+            task,
+            number: first + within,
+            within,
+            front,
+        })
+    }
+
+    /// Blocks of its pivots.
+    pub fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
+        &bodies[self.task.places.start..][self.front.pivots.clone()]
+    }
+
+    /// Blocks of its pairs, each with the places of the two bodies among its pivots and rows.
+    pub fn of_pairs<P>(self, pairs: &'a [P]) -> impl Iterator<Item = (&'a [u32; 2], &'a P)> {
+        let starts = &self.fronts.pair_starts;
+        let own = starts[self.number]..starts[self.number + 1];
+        self.fronts.pairs[own.clone()].iter().zip(&pairs[own])
     }
 
     /// Places of its rows within the task.
@@ -93,21 +131,17 @@ struct Part<A> {
     /// Right side and solution of its bodies, then of those beyond: the task adds to the right side
     /// of those, and needs their solution.
     work: Vec<[f64; 3]>,
-    /// Length of the numbers of its largest front in a solve.
-    local: usize,
+    /// Length of the numbers of its largest fronts.
+    room: [usize; 3],
 }
 
 /// Numbers of the front that is being eliminated, and its right side and solution.
-#[derive(Default)]
-struct Current<C> {
-    numbers: C,
-    local: Vec<f64>,
-}
+type Current = [Vec<f64>; 3];
 
-impl<C> Current<C> {
-    fn fit(&mut self, local: usize) {
-        if self.local.len() < local {
-            self.local = vec![0.0; local];
+fn fit(current: &mut Current, room: &[usize; 3]) {
+    for (numbers, len) in current.iter_mut().zip(room) {
+        if numbers.len() < *len {
+            *numbers = vec![0.0; *len];
         }
     }
 }
@@ -115,7 +149,7 @@ impl<C> Current<C> {
 /// The factor of a matrix.
 pub struct Factor<A: Arithmetic> {
     parts: Vec<Part<A>>,
-    current: Lent<Current<A::Current>>,
+    current: Lent<Current>,
     updates: Lent<Vec<f64>>,
     instructions: Arch,
 }
@@ -124,13 +158,14 @@ impl<A: Arithmetic> Factor<A> {
     /// Room for the factor of a matrix with these fronts.
     pub fn new(fronts: &Fronts) -> Self {
         let part = |task: &Task| {
-            let bodies = fronts.list[task.fronts.clone()].iter().map(Front::bodies).max();
-            Part {
-                factor: A::new(fronts, task),
-                updates: Vec::new(),
-                work: vec![[0.0; 3]; task.bodies()],
-                local: 3 * bodies.unwrap_or(0) + LANES,
+            let mut room = [0; 3];
+            for front in &fronts.list[task.fronts.clone()] {
+                let [a, b] = A::room(front);
+                let own = [a, b, 3 * front.bodies() + LANES];
+                room = [0, 1, 2].map(|k| own[k].max(room[k]));
             }
+            let (factor, work) = (A::new(fronts, task), vec![[0.0; 3]; task.bodies()]);
+            Part { factor, updates: Vec::new(), work, room }
         };
         Self {
             parts: fronts.tasks.iter().map(part).collect(),
@@ -154,7 +189,7 @@ impl<A: Arithmetic> Factor<A> {
     pub fn factorise(
         &mut self,
         fronts: &Fronts,
-        values: A::Values<'_>,
+        values: Values<A::Body, A::Pair>,
         right: Option<&[[f64; 3]]>,
     ) -> bool {
         let Self { parts, current, updates, instructions } = self;
@@ -281,12 +316,12 @@ fn solve_front<A: Arithmetic>(factor: &A, at: At, work: &mut [[f64; 3]], local: 
 /// Factorisation of a task.
 struct Eliminate<'a, 'v, A: Arithmetic> {
     fronts: &'a Fronts,
-    values: A::Values<'v>,
+    values: Values<'v, A::Body, A::Pair>,
     task: usize,
     part: &'a mut Part<A>,
     /// The other tasks of its subtrees.
     below: &'a [Part<A>],
-    current: &'a mut Current<A::Current>,
+    current: &'a mut Current,
     /// Whether a forward solve goes with it.
     solves: bool,
 }
@@ -299,9 +334,8 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
         let Self(share, Eliminate { fronts, values, task, part, below, current, solves }) = self;
         let first_below = task - below.len();
         let of_task = &fronts.tasks[task];
-        current.fit(part.local);
-        let Part { factor, updates, work, .. } = part;
-        factor.fit(&mut current.numbers);
+        fit(current, &part.room);
+        let ([first, second, local], Part { factor, updates, work, .. }) = (current, part);
         let (even, odd) = updates.split_at_mut(of_task.update_len[0]);
         for at in At::all(fronts, task) {
             let front = at.front;
@@ -317,12 +351,13 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
                 &below[other - first_below].updates[start..start + front.update_len()]
             };
             let update = &mut mine[front.update..front.update + front.update_len()];
-            let by = By(share, simd);
-            if !factor.eliminate(by, at, values, update_of, update, &mut current.numbers) {
+            let [a, b] = A::room(front);
+            let room = [&mut first[..a], &mut second[..b]];
+            if !factor.eliminate(By(share, simd), at, values, update_of, update, room) {
                 return false;
             }
             if solves {
-                solve_front(factor, at, work, &mut current.local);
+                solve_front(factor, at, work, local);
             }
         }
         true
@@ -330,11 +365,11 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
 }
 
 /// Forward or backward solve of the work of a task.
-struct Solve<'a, A: Arithmetic> {
+struct Solve<'a, A> {
     fronts: &'a Fronts,
     task: usize,
     part: &'a mut Part<A>,
-    current: &'a mut Current<A::Current>,
+    current: &'a mut Current,
     backward: bool,
 }
 
@@ -344,15 +379,16 @@ impl<A: Arithmetic> WithSimd for Solve<'_, A> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let Self { fronts, task, part, current, backward } = self;
-        current.fit(part.local);
+        fit(current, &part.room);
+        let [.., local] = current;
         if !backward {
             for at in At::all(fronts, task) {
-                solve_front(&part.factor, at, &mut part.work, &mut current.local);
+                solve_front(&part.factor, at, &mut part.work, local);
             }
             return;
         }
         for at in At::all(fronts, task).rev() {
-            let local = gather(at, &part.work, &mut current.local);
+            let local = gather(at, &part.work, local);
             part.factor.backward(at, local);
             store(&mut part.work[at.front.pivots.clone()], local);
         }

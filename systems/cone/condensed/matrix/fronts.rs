@@ -89,6 +89,7 @@ impl Task {
 }
 
 /// All fronts, children before their parents.
+#[derive(Default)]
 pub struct Fronts {
     /// Bodies in the order of their elimination.
     pub order: Vec<usize>,
@@ -110,6 +111,11 @@ pub struct Fronts {
     pub in_parent: Vec<u32>,
     /// The children of all fronts: the fronts whose updates a front takes.
     pub children: Vec<u32>,
+    /// The pairs front by front, those whose first body is a pivot of it: the places of their bodies
+    /// among its pivots and rows, ascending.
+    pub pairs: Vec<[u32; 2]>,
+    /// Start of the pairs of every front, and the end of the last.
+    pub pair_starts: Vec<usize>,
 }
 
 impl Fronts {

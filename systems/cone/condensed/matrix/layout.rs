@@ -1,72 +1,70 @@
-//! Orders the fronts, children before parents and task by task, and gives all their numbers a
-//! place.
+//! The order of elimination, approximate minimum degree on the graph of bodies and interactions; the
+//! order of the fronts, children before parents and task by task; and a place for all their numbers.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::amd;
 
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};
-use super::merge::{Group, NONE, columns, merge};
-use super::ordering::{minimum_degree, places};
+use super::merge::{Group, columns, merge};
 use super::schedule::parents;
 use super::tasks::cut;
 use crate::adjacency::Adjacency;
 
 /// The place of a pair of bodies.
-pub struct Placed {
-    /// Its number.
-    pub pair: u32,
+#[derive(Clone, Copy)]
+pub struct PairPlace {
+    /// Its place among the pairs of all fronts.
+    pub place: usize,
     /// Places of its bodies in the order of elimination.
-    pub places: [u32; 2],
-    /// Their places among the pivots and rows of the front.
-    pub rows: [u32; 2],
+    pub bodies: [usize; 2],
 }
 
-/// The fronts of `bodies` bodies coupled by `pairs`, and the pairs of every front: those whose first
-/// body in the order of elimination is a pivot of it. `None` if faer finds no order.
-pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<Vec<Placed>>)> {
+/// The fronts of `bodies` bodies coupled by `pairs`, and the place of every pair. `None` if faer finds
+/// no order.
+pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<PairPlace>)> {
     let neighbours = Adjacency::of_neighbours(bodies, pairs);
-    let fronts = fronts(&minimum_degree(&neighbours)?, &neighbours);
+    let mut fronts = fronts(&minimum_degree(&neighbours)?, &neighbours);
     let place = places(&fronts.order);
     let mut of_place = vec![(0, 0); bodies];
     for (task, of_task) in fronts.tasks.iter().enumerate() {
         for number in of_task.fronts.clone() {
             let pivots = fronts.list[number].pivots.clone();
-            of_place[of_task.places.start..][pivots].fill((task, number));
+            of_place[of_task.places.start..][pivots].fill((number, task));
         }
     }
-    let mut placed: Vec<Vec<Placed>> = fronts.list.iter().map(|_| Vec::new()).collect();
-    for (pair, (a, b)) in (0..).zip(pairs) {
-        let places = [*a, *b].map(|i| place[i as usize]);
-        let (task, number) = of_place[places[0].min(places[1])];
-        let rows = fronts.in_front(&fronts.tasks[task], &fronts.list[number], places);
-        let [places, rows] = [places, rows].map(|places| places.map(|place| place as u32));
-        placed[number].push(Placed { pair, places, rows });
+    let bodies = |(a, b): &(u32, u32)| [*a, *b].map(|i| place[i as usize]);
+    let front = |[a, b]: [usize; 2]| of_place[a.min(b)];
+    let mut of_pair: Vec<PairPlace> =
+        pairs.iter().map(|pair| PairPlace { place: 0, bodies: bodies(pair) }).collect();
+    let numbered = of_pair.iter().enumerate().map(|(k, pair)| (front(pair.bodies).0, k));
+    let of_fronts = Adjacency::collect(fronts.list.len(), numbered);
+    for (place, &number) in of_fronts.entries().iter().enumerate() {
+        let pair = &mut of_pair[number];
+        pair.place = place;
+        let (front, task) = front(pair.bodies);
+        let mut rows = fronts.in_front(&fronts.tasks[task], &fronts.list[front], pair.bodies);
+        rows.sort_unstable();
+        fronts.pairs.push(rows.map(|row| row as u32));
     }
-    Some((fronts, placed))
+    fronts.pair_starts = of_fronts.starts().to_vec();
+    Some((fronts, of_pair))
 }
 
 /// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
 /// same fill.
 fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     let n = order.len();
-    let (column_rows, above) = columns(order, neighbours);
-    let (column_rows, groups) = (&column_rows[..], &merge(&column_rows, &above)[..]);
-    let roots: Vec<usize> = (0..n).filter(|k| above[*k] == NONE).collect();
+    let column_rows = &columns(order, neighbours)[..];
+    let groups = &merge(column_rows)[..];
+    let roots: Vec<usize> = (0..n).filter(|k| column_rows[*k].is_empty()).collect();
     let mut layout = Layout {
         column_rows,
         groups,
-        fronts: Fronts {
-            order: Vec::with_capacity(n),
-            list: Vec::new(),
-            tasks: Vec::new(),
-            sizes: Vec::new(),
-            below: Vec::new(),
-            beyond: Vec::new(),
-            beyond_above: Vec::new(),
-            rows: Vec::new(),
-            in_parent: Vec::new(),
-            children: Vec::new(),
-        },
+        fronts: Fronts::default(),
         columns: Vec::new(),
-        number: vec![NONE; n],
+        number: vec![None; n],
     };
     for task in cut(column_rows, groups, &roots) {
         layout.lay_out(&task.feet);
@@ -104,8 +102,8 @@ struct Layout<'a> {
     fronts: Fronts,
     /// The column that stands for the group of every front.
     columns: Vec<usize>,
-    /// The front of every group, by its column; `NONE` if it has none yet.
-    number: Vec<usize>,
+    /// The front of every group that has one already, by its column.
+    number: Vec<Option<u32>>,
 }
 
 impl Layout<'_> {
@@ -119,7 +117,7 @@ impl Layout<'_> {
             let Some(group) = &self.groups[column] else { continue };
             let fronts = &mut self.fronts;
             let first_child = fronts.children.len();
-            fronts.children.extend(group.children.iter().map(|c| self.number[*c] as u32));
+            fronts.children.extend(group.children.iter().filter_map(|c| self.number[*c]));
             let first_row = fronts.rows.len();
             let [mine, theirs] = [depth % 2, 1 - depth % 2];
             let (pivots, rows) = (group.pivots.len(), self.column_rows[column].len());
@@ -144,7 +142,7 @@ impl Layout<'_> {
             factor_len += kept;
             place += pivots;
             fronts.rows.extend(&self.column_rows[column]);
-            self.number[column] = fronts.list.len();
+            self.number[column] = Some(fronts.list.len() as u32);
             self.columns.push(column);
             fronts.list.push(front);
         }
@@ -156,7 +154,7 @@ impl Layout<'_> {
     /// Columns of the groups above these feet with their depth, children before parents.
     fn postorder(&self, feet: &[usize]) -> Vec<(usize, usize)> {
         let mut order = Vec::new();
-        let is_new = |column: usize| self.number[column] == NONE;
+        let is_new = |column: usize| self.number[column].is_none();
         for &foot in feet.iter().filter(|foot| is_new(**foot)) {
             let mut path = vec![(foot, 0)];
             while let Some((column, next)) = path.last_mut() {
@@ -233,4 +231,29 @@ fn count_within_tasks(fronts: &mut Fronts) {
             front.pivots = front.pivots.start - first..front.pivots.end - first;
         }
     }
+}
+
+/// The place of every body in an order.
+pub fn places(order: &[usize]) -> Vec<usize> {
+    let mut places = vec![0; order.len()];
+    for (place, &body) in order.iter().enumerate() {
+        places[body] = place;
+    }
+    places
+}
+
+/// Bodies in the order of elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses the
+/// pattern.
+pub fn minimum_degree(neighbours: &Adjacency) -> Option<Vec<usize>> {
+    let n = neighbours.bodies();
+    if n == 0 {
+        return Some(Vec::new());
+    }
+    let (starts, neighbours) = (neighbours.starts(), neighbours.entries());
+    let pattern = SymbolicSparseColMatRef::<usize>::new_checked(n, n, starts, None, neighbours);
+    let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
+    let mut memory = MemBuffer::new(amd::order_scratch::<usize>(n, neighbours.len()));
+    let stack = MemStack::new(&mut memory);
+    amd::order(&mut forward, &mut inverse, pattern, amd::Control::default(), stack).ok()?;
+    Some(forward)
 }

@@ -2,16 +2,13 @@
 
 use std::cmp::Reverse;
 
-use super::ordering::places;
+use super::layout::places;
 use crate::adjacency::Adjacency;
 
 /// Maximum number of pivots, and maximum part of zeros in the trapezoid, with which a front is
 /// merged with its parent. Wider fronts cost zeros in the factor and have less overhead (Ashcraft
 /// and Grimes 1989). This is the fastest of eight rules (decision 005).
 const MERGED: [(usize, f64); 3] = [(2, 0.5), (8, 0.2), (32, 0.05)];
-
-/// No parent.
-pub const NONE: usize = usize::MAX;
 
 /// A group of bodies that may still become part of its parent.
 #[derive(Default)]
@@ -24,14 +21,14 @@ pub struct Group {
     zeros: usize,
 }
 
-/// Rows below the diagonal and parent in the elimination tree of every column of the factor.
-pub fn columns(order: &[usize], neighbours: &Adjacency) -> (Vec<Vec<u32>>, Vec<usize>) {
+/// Rows below the diagonal of every column of the factor. The first is its parent in the elimination
+/// tree.
+pub fn columns(order: &[usize], neighbours: &Adjacency) -> Vec<Vec<u32>> {
     let n = order.len();
     let place = places(order);
     let mut rows: Vec<Vec<u32>> = Vec::with_capacity(n);
     let mut children = vec![Vec::new(); n];
-    let mut parents = vec![NONE; n];
-    let mut seen = vec![NONE; n];
+    let mut seen = vec![n; n];
     for k in 0..n {
         let mut list = Vec::new();
         let own = neighbours.of(order[k]);
@@ -43,19 +40,18 @@ pub fn columns(order: &[usize], neighbours: &Adjacency) -> (Vec<Vec<u32>>, Vec<u
         }
         list.sort_unstable();
         if let Some(&parent) = list.first() {
-            parents[k] = parent as usize;
             children[parent as usize].push(k);
         }
         rows.push(list);
     }
-    (rows, parents)
+    rows
 }
 
 /// Groups of columns, each at the place of its last column; `None` at the places of the others.
-pub fn merge(rows: &[Vec<u32>], parents: &[usize]) -> Vec<Option<Group>> {
+pub fn merge(rows: &[Vec<u32>]) -> Vec<Option<Group>> {
     let mut children = vec![Vec::new(); rows.len()];
-    for (k, &parent) in parents.iter().enumerate().filter(|(_, p)| **p != NONE) {
-        children[parent].push(k);
+    for (k, parent) in rows.iter().enumerate().filter_map(|(k, rows)| Some((k, rows.first()?))) {
+        children[*parent as usize].push(k);
     }
     let mut groups: Vec<Option<Group>> = Vec::with_capacity(rows.len());
     for (k, mut candidates) in children.into_iter().enumerate() {
@@ -88,7 +84,7 @@ mod tests {
     use rand_chacha::ChaCha8Rng;
     use rand_chacha::rand_core::{Rng, SeedableRng};
 
-    use super::super::ordering::minimum_degree;
+    use super::super::layout::minimum_degree;
     use super::*;
 
     /// Order, columns and groups of random graphs: the order is a permutation, the columns have the
@@ -112,7 +108,7 @@ mod tests {
                 let [a, b] = [a, b].map(|i| place[i as usize]);
                 (pattern[a][b], pattern[b][a]) = (true, true);
             }
-            let (rows, parents) = columns(&order, &neighbours);
+            let rows = columns(&order, &neighbours);
             for k in 0..bodies {
                 let below: Vec<usize> = (k + 1..bodies).filter(|j| pattern[k][*j]).collect();
                 for &i in &below {
@@ -120,11 +116,10 @@ mod tests {
                         pattern[i][j] |= i != j;
                     }
                 }
-                assert_eq!(parents[k], below.first().copied().unwrap_or(NONE));
                 assert!(rows[k].iter().map(|j| *j as usize).eq(below));
             }
             let mut grouped: Vec<u32> =
-                merge(&rows, &parents).into_iter().flatten().flat_map(|g| g.pivots).collect();
+                merge(&rows).into_iter().flatten().flat_map(|g| g.pivots).collect();
             grouped.sort_unstable();
             assert!(grouped.into_iter().eq(0..n));
         }

@@ -16,90 +16,106 @@ mod layout;
 mod lu;
 mod lu_fronts;
 mod merge;
-mod ordering;
 mod packed;
 mod schedule;
 mod share;
 mod tasks;
-mod unsymmetric;
 
 use std::ops::Range;
 
 pub use self::assembly::Assembly;
-use self::assembly::PairPlace;
-use self::cholesky::{Cholesky, DIAGONAL, PAIR, Pattern};
-use self::factor::Factor;
-use self::layout::Placed;
-pub(super) use self::ordering::places;
-pub use self::unsymmetric::UnsymmetricMatrix;
-use super::images::Images;
-use super::parallel::split;
+pub(crate) use self::cholesky::Cholesky;
+use self::factor::{Arithmetic, Factor, Values};
+use self::fronts::Fronts;
+use self::layout::PairPlace;
+pub(super) use self::layout::places;
+pub(crate) use self::lu_fronts::Lu;
+use super::images::{self, Images};
+use super::parallel::{in_pool, split};
+use super::scaled::Scaled;
+use crate::program::ConeProgram;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
 /// round-off, and more where that is not enough.
 const SHIFTS: [f64; 3] = [1e-14, 1e-12, 1e-10];
 
-/// The matrix, its factor, and the data that depend on its pattern only.
-pub struct BodyMatrix {
-    /// Blocks of the lower triangle, front by front: those of the diagonal, then those of pairs.
-    values: Vec<f64>,
-    /// Start of the diagonal block of every body in the values.
-    diagonal: Vec<usize>,
+/// A matrix, its factor, and the data that depend on its pattern only.
+pub struct Matrix<A: Arithmetic> {
+    fronts: Fronts,
     /// Places of the pairs, in the order given.
-    pairs: Vec<PairPlace>,
-    pattern: Pattern,
-    factor: Factor<Cholesky>,
+    places: Vec<PairPlace>,
+    /// Blocks of bodies in the order of elimination, and of pairs front by front.
+    bodies: Vec<A::Body>,
+    pairs: Vec<A::Pair>,
+    factor: Factor<A>,
     images: Images,
 }
 
-impl BodyMatrix {
+/// The condensed matrix.
+pub type BodyMatrix = Matrix<Cholesky>;
+
+/// An unsymmetric matrix with the same pattern, factorised by a multifrontal LU method (Davis and
+/// Duff 1997) on the fronts of the symmetric pattern.
+///
+/// Rows are exchanged among the pivots of a front only, so that the fronts do not depend on the
+/// values. This costs accuracy, which the caller recovers by iterative refinement. The sign of the
+/// determinant comes with the factor.
+pub type UnsymmetricMatrix = Matrix<Lu>;
+
+/// The matrix of a program, kept while its pairs of bodies stay.
+pub(crate) struct Kept<A: Arithmetic> {
+    pairs: Vec<(u32, u32)>,
+    matrix: Option<Matrix<A>>,
+}
+
+impl<A: Arithmetic> Default for Kept<A> {
+    fn default() -> Self {
+        Self { pairs: Vec::new(), matrix: None }
+    }
+}
+
+impl<A: Arithmetic> Kept<A> {
+    /// The matrix with the pattern of a program; `None` if no order of elimination is found.
+    pub fn of(&mut self, program: &ConeProgram) -> Option<&mut Matrix<A>> {
+        let bodies = program.bodies.len();
+        let pairs = images::pairs(program);
+        let is_known = pairs.clone().eq(self.pairs.iter().copied())
+            && self.matrix.as_ref().is_some_and(|m| m.bodies.len() == bodies);
+        if !is_known {
+            self.pairs = pairs.collect();
+            self.matrix = Matrix::new(bodies, &self.pairs);
+        }
+        self.matrix.as_mut()
+    }
+}
+
+impl<A: Arithmetic> Matrix<A> {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
     #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let (fronts, placed) = layout::of_pairs(bodies, pairs)?;
-        let mut diagonal = Vec::with_capacity(bodies);
-        let mut places = vec![PairPlace::default(); pairs.len()];
-        let mut targets = Vec::with_capacity(pairs.len());
-        let mut target_starts = Vec::with_capacity(fronts.list.len() + 1);
-        let mut starts = Vec::with_capacity(fronts.list.len() + 1);
-        let mut start = 0;
-        for (front, placed) in fronts.list.iter().zip(&placed) {
-            starts.push(start);
-            target_starts.push(targets.len());
-            for _ in front.pivots.clone() {
-                diagonal.push(start);
-                start += DIAGONAL;
-            }
-            for &Placed { pair, places: bodies, rows } in placed {
-                let forward = bodies[0] < bodies[1];
-                places[pair as usize] = PairPlace { start, forward, bodies };
-                start += PAIR;
-                let [column, row] = if forward { rows } else { [rows[1], rows[0]] };
-                targets.push(3 * column * front.height() as u32 + 3 * row);
-            }
-        }
-        starts.push(start);
-        target_starts.push(targets.len());
+        let (fronts, places) = layout::of_pairs(bodies, pairs)?;
         Some(Self {
-            values: vec![0.0; start],
-            diagonal,
-            pairs: places,
+            places,
+            bodies: vec![A::Body::default(); bodies],
+            pairs: vec![A::Pair::default(); pairs.len()],
             factor: Factor::new(&fronts),
-            pattern: Pattern { fronts, starts, targets, target_starts },
+            fronts,
             images: Images::default(),
         })
-    }
-
-    /// Number of bodies.
-    #[must_use]
-    pub fn bodies(&self) -> usize {
-        self.diagonal.len()
     }
 
     /// Bodies in the order of elimination. All other functions number bodies by this order.
     #[must_use]
     pub fn order(&self) -> &[usize] {
-        &self.pattern.fronts.order
+        &self.fronts.order
+    }
+
+    /// A program with this pattern in the order of elimination. Its images are taken over, which
+    /// [`Assembly::add`] needs for interactions with them.
+    pub fn pose(&mut self, program: &ConeProgram) -> Scaled {
+        let scaled = Scaled::new(program, self.order());
+        self.images.clone_from(&scaled.images);
+        scaled
     }
 
     /// Whether there is work for several threads.
@@ -111,77 +127,97 @@ impl BodyMatrix {
     /// Number of tasks into which the tree of fronts is cut for several threads.
     #[must_use]
     pub fn tasks(&self) -> usize {
-        self.pattern.fronts.tasks.len()
+        self.fronts.tasks.len()
     }
 
     /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
     /// threads share the work on large fronts: a lower bound of the part of the time that they take.
     #[must_use]
     pub fn longest_path(&self, threads: usize) -> f64 {
-        self.pattern.fronts.longest_path(threads)
+        self.fronts.longest_path(threads)
     }
 
     /// Ranges of bodies, in the order of elimination, that no pair joins: several threads can work
     /// on them at once. Empty if the work is too small for that.
     #[must_use]
     pub fn branches(&self) -> Vec<Range<usize>> {
-        let tasks = &self.pattern.fronts.tasks;
-        let branches = self.pattern.fronts.branches();
-        let places = |b: Range<usize>| tasks[b.start].places.start..tasks[b.end - 1].places.end;
-        branches.into_iter().map(places).collect()
+        self.extents().into_iter().map(|[bodies, _]| bodies).collect()
     }
 
-    /// Takes over the images of a program, which [`Assembly::add`] needs for interactions with
-    /// them.
-    pub fn set_images(&mut self, images: &Images) {
-        self.images.clone_from(images);
+    /// Ranges of bodies and of pairs of every branch.
+    fn extents(&self) -> Vec<[Range<usize>; 2]> {
+        let Fronts { tasks, pair_starts, .. } = &self.fronts;
+        let of = |branch: Range<usize>| {
+            let (first, last) = (&tasks[branch.start], &tasks[branch.end - 1]);
+            [
+                first.places.start..last.places.end,
+                pair_starts[first.fronts.start]..pair_starts[last.fronts.end],
+            ]
+        };
+        self.fronts.branches().into_iter().map(of).collect()
     }
 
     /// Sets all values to zero.
     pub fn clear(&mut self) {
-        self.values.fill(0.0);
+        self.bodies.fill(A::Body::default());
+        self.pairs.fill(A::Pair::default());
     }
 
     /// Access to all values, to add to them.
-    pub fn assembly(&mut self) -> Assembly<'_> {
-        let Self { values, diagonal, pairs, images, .. } = self;
-        Assembly { values, first: 0, diagonal, pairs, images }
+    pub fn assembly(&mut self) -> Assembly<'_, A> {
+        let Self { bodies, pairs, places, images, .. } = self;
+        Assembly { bodies, pairs, first: [0; 2], places, images }
     }
 
     /// Access to the values of each of the [branches](Self::branches), to add to them.
-    pub fn assemblies(&mut self) -> Vec<Assembly<'_>> {
-        let Self { values, pattern, diagonal, pairs, images, .. } = self;
-        let branches = pattern.fronts.branches();
-        let fronts = |task: usize| &pattern.fronts.tasks[task].fronts;
-        let ranges = branches.iter().map(|branch| {
-            pattern.starts[fronts(branch.start).start]..pattern.starts[fronts(branch.end - 1).end]
-        });
-        let pieces = split(values, ranges.clone()).into_iter().zip(ranges);
-        let assembly = |(values, range): (_, Range<_>)| Assembly {
-            values,
-            first: range.start,
-            diagonal,
+    pub fn assemblies(&mut self) -> Vec<Assembly<'_, A>> {
+        let extents = self.extents();
+        let Self { bodies, pairs, places, images, .. } = self;
+        let bodies = split(bodies, extents.iter().map(|[bodies, _]| bodies.clone()));
+        let pairs = split(pairs, extents.iter().map(|[_, pairs]| pairs.clone()));
+        let assembly = |((bodies, pairs), [b, p]): (_, &[Range<usize>; 2])| Assembly {
+            bodies,
             pairs,
+            first: [b.start, p.start],
+            places,
             images,
         };
-        pieces.map(assembly).collect()
+        bodies.into_iter().zip(pairs).zip(&extents).map(assembly).collect()
     }
 
+    /// Factorises, with the forward solve of a right side; whether there is a factor.
+    fn factorise_with(&mut self, right: Option<&[[f64; 3]]>) -> bool {
+        let Self { fronts, bodies, pairs, factor, .. } = self;
+        factor.factorise(fronts, Values { bodies, pairs }, right)
+    }
+
+    /// Solves in place with the last factor, after the factorisation has returned true. `x` is in
+    /// the order of elimination.
+    pub fn solve(&mut self, x: &mut [[f64; 3]]) {
+        let Self { fronts, factor, .. } = self;
+        in_pool(factor.is_shared(), || {
+            factor.forward(fronts, x);
+            factor.backward(fronts, x);
+        });
+    }
+}
+
+impl BodyMatrix {
     /// Maximum value on the diagonal.
     #[must_use]
     pub fn max_diagonal(&self) -> f64 {
-        let on_diagonal = self.diagonal.iter().flat_map(|start| [0, 3, 5].map(|k| start + k));
-        on_diagonal.map(|k| self.values[k]).fold(0.0, f64::max)
+        let on_diagonal =
+            |block: &<Cholesky as Arithmetic>::Body| Cholesky::DIAGONAL.map(|k| block[k]);
+        self.bodies.iter().flat_map(on_diagonal).fold(0.0, f64::max)
     }
 
     /// Factorises, and solves in place; whether the matrix was positive definite. If not, `x` stays
     /// as it was. `x` is in the order of elimination.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
-        let Self { values, pattern, factor, .. } = self;
-        let definite = factor.factorise(&pattern.fronts, (pattern, values), Some(x));
+        let definite = self.factorise_with(Some(x));
         if definite {
-            factor.backward(&pattern.fronts, x);
+            self.factor.backward(&self.fronts, x);
         }
         definite
     }
@@ -195,11 +231,9 @@ impl BodyMatrix {
         }
         let maximum = self.max_diagonal();
         for shift in SHIFTS {
-            let bodies = self.bodies();
-            let mut values = self.assembly();
-            for body in 0..bodies {
-                for k in 0..3 {
-                    values.add_diagonal(body, k, shift * maximum);
+            for block in &mut self.bodies {
+                for k in Cholesky::DIAGONAL {
+                    block[k] += shift * maximum;
                 }
             }
             if self.factorise_and_solve(x) {
@@ -208,12 +242,18 @@ impl BodyMatrix {
         }
         false
     }
+}
 
-    /// Solves in place with the last factor, after `factorise_and_solve` has returned true. `x` is
-    /// in the order of elimination.
-    pub fn solve(&mut self, x: &mut [[f64; 3]]) {
-        let Self { pattern: Pattern { fronts, .. }, factor, .. } = self;
-        factor.forward(fronts, x);
-        factor.backward(fronts, x);
+impl UnsymmetricMatrix {
+    /// Factorises; whether all pivots are finite and none is zero.
+    #[must_use]
+    pub fn factorise(&mut self) -> bool {
+        in_pool(self.is_shared(), || self.factorise_with(None))
+    }
+
+    /// Sign of the determinant of the matrix that was factorised last.
+    #[must_use]
+    pub fn sign(&self) -> f64 {
+        self.factor.parts().map(|part| part.sign).product()
     }
 }

@@ -7,7 +7,7 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::dense::{LANES, Triangle, factor_of, kept_rows};
+use super::dense::{LANES, Triangle, divide, finish_block, kept_rows};
 use super::fronts::Front;
 use super::share::{Share, in_pieces};
 
@@ -75,27 +75,12 @@ impl Pivots<'_> {
         for (k, triangle) in triangles.iter_mut().enumerate() {
             let pivot = self.first + 3 * k;
             let mut block = self.block(pivot, self.first, chunk, chunk);
-            let at = 3 * k;
-            let [x, y, z] = &block;
-            let diagonal = [x[at], x[at + 1], x[at + 2], y[at + 1], y[at + 2], z[at + 2]];
-            let Some(factor) = factor_of(diagonal) else { return false };
-            *triangle = factor;
-            divide(&mut block, at + 3, triangle);
+            if !finish_block(block.as_flattened_mut(), CHUNK, 3 * k, triangle) {
+                return false;
+            }
             chunk[CHUNK * pivot..CHUNK * (pivot + 3)].copy_from_slice(block.as_flattened());
         }
         true
-    }
-}
-
-/// Divides three columns, from the row `first` on, by their triangle.
-#[inline(always)]
-fn divide(block: &mut [[f64; CHUNK]; 3], first: usize, triangle: &Triangle) {
-    let [xx, xy, xz, yy, yz, zz] = *triangle;
-    let [x, y, z] = block;
-    for k in first..CHUNK {
-        x[k] *= xx;
-        y[k] = (-xy).mul_add(x[k], y[k]) * yy;
-        z[k] = (-yz).mul_add(y[k], (-xz).mul_add(x[k], z[k])) * zz;
     }
 }
 
@@ -120,7 +105,7 @@ impl WithSimd for Below<'_> {
             for (k, triangle) in triangles.iter().enumerate() {
                 let pivot = pivots.first + 3 * k;
                 let mut block = pivots.block(pivot, row + CHUNK * c, chunk, own);
-                divide(&mut block, 0, triangle);
+                divide(block.each_mut().map(<[f64; CHUNK]>::as_mut_slice), 0, triangle);
                 chunk[CHUNK * pivot..CHUNK * (pivot + 3)].copy_from_slice(block.as_flattened());
             }
         }

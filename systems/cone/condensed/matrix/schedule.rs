@@ -4,7 +4,7 @@
 //! the rest of its subtree. The recursion is at most as deep as there are tasks, about a
 //! thousand.
 
-use super::super::parallel::is_alone;
+use super::super::parallel::join;
 
 /// Calls `f` for every task with its number, the data of the other tasks in its subtree, and its
 /// own: for those below a task first. Returns whether all calls returned true; a task above one
@@ -14,36 +14,27 @@ pub fn upward<T: Send + Sync>(
     data: &mut [T],
     f: &(impl Fn(usize, &mut [T], &mut T) -> bool + Sync),
 ) -> bool {
-    if sizes.len() > 1 && !is_alone() {
-        return upward_in_parallel(sizes, 0, data, f);
-    }
-    (0..sizes.len()).all(|k| {
-        let (below, own) = data[k + 1 - sizes[k]..=k].split_at_mut(sizes[k] - 1);
-        f(k, below, &mut own[0])
-    })
+    upward_from(0, sizes, data, f)
 }
 
 /// As [`upward`], for complete subtrees whose tasks are counted from `first`.
-fn upward_in_parallel<T: Send + Sync>(
-    sizes: &[usize],
+fn upward_from<T: Send + Sync>(
     first: usize,
+    sizes: &[usize],
     data: &mut [T],
     f: &(impl Fn(usize, &mut [T], &mut T) -> bool + Sync),
 ) -> bool {
     let Some(size) = sizes.last() else { return true };
     let at = sizes.len() - size;
     let (before, subtree) = data.split_at_mut(at);
-    let others = || upward_in_parallel(&sizes[..at], first, before, f);
-    let mut last = || {
+    let others = || upward_from(first, &sizes[..at], before, f);
+    let last = || {
         let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
         let first = first + at;
-        upward_in_parallel(&sizes[at..sizes.len() - 1], first, below, f)
+        upward_from(first, &sizes[at..sizes.len() - 1], below, f)
             && f(first + below.len(), below, own)
     };
-    if at == 0 {
-        return last();
-    }
-    let (others, last) = rayon::join(others, last);
+    let (others, last) = join(at > 0, others, last);
     others && last
 }
 
@@ -54,21 +45,13 @@ pub fn downward<T: Send + Sync>(
     data: &mut [T],
     f: &(impl Fn(usize, Option<&T>, &mut T) + Sync),
 ) {
-    if sizes.len() > 1 && !is_alone() {
-        downward_in_parallel(sizes, 0, data, None, f);
-        return;
-    }
-    let above = parents(sizes);
-    for k in (0..sizes.len()).rev() {
-        let (own, after) = data[k..].split_at_mut(1);
-        f(k, above[k].map(|above| &after[above - k - 1]), &mut own[0]);
-    }
+    downward_from(0, sizes, data, None, f);
 }
 
 /// As [`downward`], for complete subtrees below one task.
-fn downward_in_parallel<T: Send + Sync>(
-    sizes: &[usize],
+fn downward_from<T: Send + Sync>(
     first: usize,
+    sizes: &[usize],
     data: &mut [T],
     above: Option<&T>,
     f: &(impl Fn(usize, Option<&T>, &mut T) + Sync),
@@ -76,18 +59,14 @@ fn downward_in_parallel<T: Send + Sync>(
     let Some(size) = sizes.last() else { return };
     let at = sizes.len() - size;
     let (before, subtree) = data.split_at_mut(at);
-    let others = || downward_in_parallel(&sizes[..at], first, before, above, f);
-    let mut last = || {
+    let others = || downward_from(first, &sizes[..at], before, above, f);
+    let last = || {
         let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
         let first = first + at;
         f(first + below.len(), above, own);
-        downward_in_parallel(&sizes[at..sizes.len() - 1], first, below, Some(own), f);
+        downward_from(first, &sizes[at..sizes.len() - 1], below, Some(own), f);
     };
-    if at == 0 {
-        last();
-    } else {
-        rayon::join(others, last);
-    }
+    join(at > 0, others, last);
 }
 
 /// The task above every task.

@@ -28,23 +28,14 @@ pub struct Cut {
     pub size: usize,
 }
 
-/// Tasks while the tree is cut.
+/// A task while the tree is cut.
 #[derive(Default)]
-struct Nodes {
-    feet: Vec<Vec<usize>>,
-    /// The tasks directly below each.
-    below: Vec<Vec<usize>>,
-    /// Columns of small subtrees that hang on each.
-    small: Vec<Vec<usize>>,
-}
-
-impl Nodes {
-    fn push(&mut self, feet: Vec<usize>, below: Vec<usize>) -> usize {
-        self.feet.push(feet);
-        self.below.push(below);
-        self.small.push(Vec::new());
-        self.feet.len() - 1
-    }
+struct Node {
+    feet: Vec<usize>,
+    /// The tasks directly below.
+    below: Vec<usize>,
+    /// Columns of small subtrees that hang on it.
+    small: Vec<usize>,
 }
 
 /// The tasks, each after those below it.
@@ -61,7 +52,7 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
     if groups.len() < MIN_BODIES || all <= grain {
         return vec![Cut { feet: roots.to_vec(), size: 1 }];
     }
-    let mut nodes = Nodes::default();
+    let mut nodes: Vec<Node> = Vec::new();
     // The task of every front that is not in a small subtree.
     let mut task_of = vec![0; groups.len()];
     let mut add = |children: &[usize], column: Option<usize>| {
@@ -69,11 +60,15 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
             children.iter().partition(|c| whole[**c] <= grain);
         let task = match (&large[..], column) {
             (&[child], Some(_)) => task_of[child],
-            _ => nodes.push(Vec::new(), large.iter().map(|c| task_of[*c]).collect()),
+            _ => {
+                let below = large.iter().map(|c| task_of[*c]).collect();
+                nodes.push(Node { below, ..Node::default() });
+                nodes.len() - 1
+            }
         };
-        nodes.small[task].extend(small);
+        nodes[task].small.extend(small);
         if let Some(column) = column {
-            nodes.feet[task] = vec![column];
+            nodes[task].feet = vec![column];
             task_of[column] = task;
         }
         task
@@ -86,10 +81,11 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
     // What everything hangs on is no task.
     let all = add(roots, None);
     for task in 0..=all {
-        let small = std::mem::take(&mut nodes.small[task]);
+        let small = std::mem::take(&mut nodes[task].small);
         for feet in share_out(&small, &whole, grain) {
-            let new = nodes.push(feet, Vec::new());
-            nodes.below[task].push(new);
+            let new = nodes.len();
+            nodes.push(Node { feet, ..Node::default() });
+            nodes[task].below.push(new);
         }
     }
     let mut cuts = in_postorder(nodes, all);
@@ -113,15 +109,15 @@ fn share_out(feet: &[usize], whole: &[f64], grain: f64) -> Vec<Vec<usize>> {
 }
 
 /// The tasks in the subtree of one, each after those below it.
-fn in_postorder(mut nodes: Nodes, root: usize) -> Vec<Cut> {
+fn in_postorder(mut nodes: Vec<Node>, root: usize) -> Vec<Cut> {
     let mut cuts = Vec::new();
     let mut path = vec![(root, 0, 0)];
     while let Some((task, next, first)) = path.last_mut() {
-        if let Some(&below) = nodes.below[*task].get(*next) {
+        if let Some(&below) = nodes[*task].below.get(*next) {
             *next += 1;
             path.push((below, 0, cuts.len()));
         } else {
-            let feet = std::mem::take(&mut nodes.feet[*task]);
+            let feet = std::mem::take(&mut nodes[*task].feet);
             cuts.push(Cut { feet, size: cuts.len() + 1 - *first });
             path.pop();
         }

@@ -3,10 +3,10 @@
 //!
 //! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
 //! metric of the compliances ([`Spring`](super::spring::Spring), and
-//! [`RollingSpring`](super::rolling_spring::RollingSpring) with a rolling moment). The balance is then the gradient of a convex, piecewise
-//! quadratic function of u, and its generalised Hessian is the condensed matrix of the current
-//! regions. The derivative along a step is monotone and piecewise linear, and the line search finds
-//! its zero.
+//! [`RollingSpring`](super::rolling_spring::RollingSpring) with a rolling moment). The balance is
+//! then the gradient of a convex, piecewise quadratic function of u, and its generalised Hessian is
+//! the condensed matrix of the current regions. The derivative along a step is monotone and
+//! piecewise linear, and the line search finds its zero.
 //!
 //! What else happens between two steps is up to the caller: see [`Between`].
 
@@ -15,7 +15,7 @@ mod point;
 pub use self::point::{Point, Step};
 use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
-use super::settings::{LineSearchSettings, NewtonSettings};
+use super::settings::NewtonSettings;
 use super::spring::Elastic;
 
 /// Unbalance at which the iteration is done.
@@ -39,48 +39,31 @@ pub struct Newton {
     pub converged: bool,
 }
 
-/// What the caller does between two steps of an iteration with `F` forces an interaction.
+/// What the caller does between two steps of an iteration with `F` forces an interaction: nothing by
+/// default.
 pub trait Between<S: Elastic<F>, const F: usize> {
     /// May change the displacements of the point before the next step; whether it did. The point is
     /// then evaluated again.
-    fn move_bodies(&mut self, program: &Scaled, point: &mut Point<S, F>) -> bool;
+    fn move_bodies(&mut self, _point: &mut Point<S, F>) -> bool {
+        false
+    }
 
     /// May change a step and its length after the line search.
-    fn change_step(
-        &mut self,
-        program: &Scaled,
-        point: &Point<S, F>,
-        step: &mut Step<F>,
-        search: &LineSearchSettings,
-    );
+    fn change_step(&mut self, _point: &Point<S, F>, _step: &mut Step<F>, _search: &NewtonSettings) {
+    }
 }
 
 /// Nothing happens between two steps.
 pub struct Nothing;
 
-impl<S: Elastic<F>, const F: usize> Between<S, F> for Nothing {
-    fn move_bodies(&mut self, _: &Scaled, _: &mut Point<S, F>) -> bool {
-        false
-    }
-
-    fn change_step(
-        &mut self,
-        _: &Scaled,
-        _: &Point<S, F>,
-        _: &mut Step<F>,
-        _: &LineSearchSettings,
-    ) {
-    }
-}
+impl<S: Elastic<F>, const F: usize> Between<S, F> for Nothing {}
 
 /// Whether every force of the program has a compliance.
-#[must_use]
 pub fn applies(program: &Scaled) -> bool {
     program.locals.iter().all(|l| (0..3).all(|f| !l.has[f] || l.compliance[f] > 0.0))
 }
 
 /// Runs the iteration from the displacements `start`.
-#[must_use]
 pub fn iterate<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     matrix: &mut BodyMatrix,
@@ -94,23 +77,22 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
     let (mut iterations, mut tiny_steps) = (0, 0);
     let mut damping = settings.damping;
     loop {
-        point.evaluate(program);
+        point.evaluate();
         let gives_up =
             iterations >= settings.max_iterations || tiny_steps >= settings.max_tiny_steps;
         if !point.is_finite() || point.is_done() || gives_up {
             break;
         }
-        if between.move_bodies(program, &mut point) {
+        if between.move_bodies(&mut point) {
             continue;
         }
         iterations += 1;
-        point.assemble(program, matrix, damping);
-        if !point.find_step(program, matrix, &mut step) {
+        if !point.find_step(matrix, damping, &mut step) {
             break;
         }
         damping *= 0.5;
-        step.length = point.search(program, &step.du, &step.de, &settings.line_search);
-        between.change_step(program, &point, &mut step, &settings.line_search);
+        step.length = point.search(&step, settings);
+        between.change_step(&point, &mut step, settings);
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
         point.make(&step);
     }
@@ -191,20 +173,14 @@ mod tests {
     fn the_caller_may_move_bodies_between_steps() {
         struct Solution(u32);
         impl Between<Spring, 2> for Solution {
-            fn move_bodies(&mut self, _: &Scaled, point: &mut Point<Spring, 2>) -> bool {
+            fn move_bodies(&mut self, point: &mut Point<Spring, 2>) -> bool {
                 self.0 += 1;
                 for (u, g) in point.u.iter_mut().zip(&point.gradient) {
                     u[1] -= 0.1 * g[1];
                 }
                 true
             }
-            fn change_step(
-                &mut self,
-                _: &Scaled,
-                _: &Point<Spring, 2>,
-                _: &mut Step<2>,
-                _: &LineSearchSettings,
-            ) {
+            fn change_step(&mut self, _: &Point<Spring, 2>, _: &mut Step<2>, _: &NewtonSettings) {
                 unreachable!("no step is needed");
             }
         }

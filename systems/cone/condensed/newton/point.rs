@@ -1,46 +1,28 @@
 //! A point of the iteration, its evaluation, and the step from it.
 
 use super::Goal;
-use crate::condensed::line_search::line_search;
 use crate::condensed::matrix::BodyMatrix;
-use crate::condensed::scaled::{Local, Scaled, add_forces, kinematics};
-use crate::condensed::settings::LineSearchSettings;
+use crate::condensed::scaled::{Arms, Scaled};
+use crate::condensed::settings::NewtonSettings;
 use crate::condensed::spring::{Elastic, Response};
-
-/// The bodies of an interaction and the rows of its forces.
-struct Arms<const F: usize> {
-    bodies: [u32; 2],
-    rows: [[[f64; F]; 3]; 2],
-}
-
-impl<const F: usize> Arms<F> {
-    fn new(l: &Local) -> Self {
-        let rows = l.rows.map(|rows| rows.map(|row| std::array::from_fn(|f| row[f])));
-        Self { bodies: l.bodies.map(|i| i as u32), rows }
-    }
-
-    fn kinematics(&self, u: &[[f64; 3]]) -> [f64; F] {
-        kinematics(self.bodies, &self.rows, u)
-    }
-}
 
 /// A point of the iteration, and what follows from its displacements, for interactions with `F`
 /// forces.
-pub struct Point<S, const F: usize> {
+pub struct Point<'a, S, const F: usize> {
+    pub program: &'a Scaled,
     springs: Vec<S>,
     arms: Vec<Arms<F>>,
     responses: Vec<Response<F>>,
     /// Displacements by body, then by image.
     pub u: Vec<[f64; 3]>,
     /// Kinematics by interaction.
-    pub e: Vec<[f64; F]>,
+    e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
     goal: Goal,
     /// Maximum force of the interactions, at least that of the goal.
     pub force: f64,
-    /// Maximum out-of-balance force.
-    pub unbalance: f64,
+    unbalance: f64,
 }
 
 /// A step of the iteration.
@@ -60,12 +42,13 @@ impl<const F: usize> Step<F> {
     }
 }
 
-impl<S: Elastic<F>, const F: usize> Point<S, F> {
-    pub(super) fn new(program: &Scaled, start: &[[f64; 3]], goal: Goal) -> Self {
+impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
+    pub(super) fn new(program: &'a Scaled, start: &[[f64; 3]], goal: Goal) -> Self {
         let count = program.locals.len();
         Self {
+            program,
             springs: program.locals.iter().map(S::new).collect(),
-            arms: program.locals.iter().map(Arms::new).collect(),
+            arms: program.locals.iter().map(Arms::of).collect(),
             responses: vec![Response::default(); count],
             u: program.with_known(start),
             e: vec![[0.0; F]; count],
@@ -77,18 +60,18 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
     }
 
     /// Computes forces and out-of-balance forces from the displacements.
-    pub(super) fn evaluate(&mut self, program: &Scaled) {
-        program.images.spread(&mut self.u);
-        program.balance_of_bodies(&self.u, &mut self.gradient);
+    pub(super) fn evaluate(&mut self) {
+        self.program.images.spread(&mut self.u);
+        self.program.balance_of_bodies(&self.u, &mut self.gradient);
         let mut force = self.goal.min_force;
         for (k, (spring, arms)) in self.springs.iter().zip(&self.arms).enumerate() {
             self.e[k] = arms.kinematics(&self.u);
             self.responses[k] = spring.respond(self.e[k]);
             let s = &self.responses[k].s;
-            add_forces(arms.bodies, &arms.rows, s, 1.0, &mut self.gradient);
+            arms.add_forces(s, 1.0, &mut self.gradient);
             force = force.max(s[0].abs()).max(s[1].abs());
         }
-        program.images.fold(&mut self.gradient);
+        self.program.images.fold(&mut self.gradient);
         self.force = force;
         self.unbalance = self.gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
     }
@@ -101,39 +84,28 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
         self.unbalance <= self.goal.unbalance * self.force
     }
 
-    /// Sets the matrix to the Hessian, with damping on its diagonal.
-    pub(super) fn assemble(&self, program: &Scaled, matrix: &mut BodyMatrix, damping: f64) {
+    /// Sets the matrix to the Hessian, with damping on its diagonal, and solves for the step; whether
+    /// the matrix has a factor.
+    pub(super) fn find_step(
+        &self,
+        matrix: &mut BodyMatrix,
+        damping: f64,
+        step: &mut Step<F>,
+    ) -> bool {
+        let program = self.program;
         matrix.clear();
         let mut values = matrix.assembly();
-        for (i, free) in program.free.iter().enumerate() {
-            for k in 0..3 {
-                let weight = if free[k] { program.weight[i][k] + damping } else { 1.0 };
-                values.add_diagonal(i, k, weight);
-            }
-        }
+        values.add_weights(program, damping);
         for (k, (arms, response)) in self.arms.iter().zip(&self.responses).enumerate() {
             values.add(k, &arms.rows, &response.d);
         }
-    }
-
-    /// Solves for the step; whether the matrix has a factor.
-    pub(super) fn find_step(
-        &self,
-        program: &Scaled,
-        matrix: &mut BodyMatrix,
-        step: &mut Step<F>,
-    ) -> bool {
         for (du, g) in step.du.iter_mut().zip(&self.gradient) {
             *du = g.map(|g| -g);
         }
         if !matrix.factorise_shifted_and_solve(&mut step.du[..program.free.len()]) {
             return false;
         }
-        for (du, free) in step.du.iter_mut().zip(&program.free) {
-            for k in (0..3).filter(|k| !free[*k]) {
-                du[k] = 0.0;
-            }
-        }
+        program.clear_fixed(&mut step.du);
         program.images.spread(&mut step.du);
         for (de, arms) in step.de.iter_mut().zip(&self.arms) {
             *de = arms.kinematics(&step.du);
@@ -141,16 +113,50 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
         true
     }
 
-    /// The length at which the derivative of the energy along a step vanishes.
-    pub fn search(
-        &self,
-        program: &Scaled,
-        du: &[[f64; 3]],
-        de: &[[f64; F]],
-        settings: &LineSearchSettings,
-    ) -> f64 {
-        let along = [&self.u[..], du, &self.gradient[..]];
-        line_search(program, &self.springs, settings, along, &self.e, de)
+    /// The length a at which the derivative of the energy along a step vanishes, to a few per cent of
+    /// the derivative at a = 0: a Newton iteration for one number, safeguarded by a bracket.
+    ///
+    /// The derivative at a is `du.(M (u + a du) - f) + sum de.s(e + a de)`; it rises with a, and is
+    /// piecewise linear.
+    pub fn search(&self, Step { du, de, .. }: &Step<F>, settings: &NewtonSettings) -> f64 {
+        let Self { program, u, .. } = self;
+        let both = self.gradient.iter().flatten().zip(du.iter().flatten());
+        let slope: f64 = both.map(|(g, du)| g * du).sum();
+        let of_bodies = |i: usize, k: usize| program.weight[i][k] * u[i][k] - program.right[i][k];
+        let linear = program.sum_of_free(|i, k| of_bodies(i, k) * du[i][k]);
+        let quadratic = program.sum_of_free(|i, k| program.weight[i][k] * du[i][k] * du[i][k]);
+        let derivative = |a: f64| {
+            let (mut value, mut curvature) = (linear + a * quadratic, quadratic);
+            for ((spring, e), de) in self.springs.iter().zip(&self.e).zip(de) {
+                let at = std::array::from_fn(|f| e[f] + a * de[f]);
+                let (power, change) = spring.respond(at).along(de);
+                value += power;
+                curvature += change;
+            }
+            (value, curvature)
+        };
+        let (mut low, mut high) = (0.0, f64::INFINITY);
+        let mut a = 1.0;
+        for _ in 0..settings.max_evaluations {
+            let (value, curvature) = derivative(a);
+            if value.abs() <= settings.max_slope * slope.abs() {
+                break;
+            }
+            if value > 0.0 {
+                high = a;
+            } else {
+                low = a;
+            }
+            let newton = a - value / curvature;
+            a = if newton > low && newton < high {
+                newton
+            } else if high.is_finite() {
+                0.5 * (low + high)
+            } else {
+                4.0 * a
+            };
+        }
+        a
     }
 
     /// Makes a step.
@@ -165,5 +171,37 @@ impl<S: Elastic<F>, const F: usize> Point<S, F> {
     pub(super) fn forces(&self) -> Vec<[f64; 3]> {
         let of = |s: &[f64; F]| std::array::from_fn(|f| if f < F { s[f] } else { 0.0 });
         self.responses.iter().map(|r| of(&r.s)).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::*;
+    use crate::condensed::samples::{contact, held, loaded, posed};
+    use crate::condensed::spring::Spring;
+    use crate::program::ConeProgram;
+
+    /// A body with weight 1 at a contact of stiffness 10 moves down by `a du`: the derivative of
+    /// the energy vanishes at a depth of 0.1, whatever the length of du.
+    #[test]
+    fn the_minimum_of_a_parabola() {
+        let program = ConeProgram {
+            bodies: vec![held(), loaded(0.0, -1.0)],
+            interactions: vec![contact(0, 1, DVec2::Y, 0.1, 0.0)],
+            ..ConeProgram::default()
+        };
+        let (scaled, _, place) = posed(&program);
+        let goal = Goal { unbalance: 0.0, min_force: 0.0 };
+        let mut point = Point::<Spring, 2>::new(&scaled, &[[0.0; 3]; 2], goal);
+        point.evaluate();
+        for length in [0.05, 0.1, 2.0] {
+            let mut step = Step { de: vec![[length, 0.0]], ..Step::new(&scaled) };
+            step.du[place[1]][1] = -length;
+            let settings = NewtonSettings::default();
+            let a = point.search(&step, &settings);
+            assert!((a * length - 0.1).abs() <= 0.1 * settings.max_slope, "{a} times {length}");
+        }
     }
 }

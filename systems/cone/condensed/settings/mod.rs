@@ -10,19 +10,15 @@
 mod interior;
 mod newton;
 
-use serde::{Deserialize, Serialize};
-
 pub use self::interior::InteriorSettings;
-pub use self::newton::{LineSearchSettings, LocalSettings, NewtonSettings};
+pub use self::newton::{LocalSettings, NewtonSettings};
 
 /// Tolerance of increments by default (`acceptance.residual` of a scene).
 pub(crate) const DEFAULT_RESIDUAL: f64 = 1e-8;
 
-/// Settings of the condensed solver. serde reads and writes the numbers of the solver as a whole,
-/// except the safety factor.
+/// Settings of the condensed solver.
 #[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CondensedSettings {
     /// Maximum residual of a solution, without dimension. A program may allow more
     /// ([`ConeSolver::solve`](crate::solver::ConeSolver::solve)).
@@ -32,7 +28,6 @@ pub struct CondensedSettings {
     /// Safety factor on the tolerance that a program states.
     ///
     /// 0.9: the judge of the increment computes the residual again, with different round-off.
-    #[serde(skip)]
     pub safety: f64,
     /// Tolerance over the goal of the Newton iteration. The iteration measures the unbalance, which
     /// is not the residual of the program. The interior point aims lower by the factor
@@ -55,16 +50,12 @@ pub struct CondensedSettings {
     /// forces, force times displacement.
     ///
     /// 3e-4: with less it gets stuck at the wrong limits, with more it forgets the start.
-    #[serde(skip)]
     pub warm_product: f64,
     /// Newton iteration of the whole program.
-    #[serde(skip)]
     pub newton: NewtonSettings,
     /// Local elimination between the steps of the Newton iteration.
-    #[serde(skip)]
     pub local: LocalSettings,
     /// Interior-point method.
-    #[serde(skip)]
     pub interior: InteriorSettings,
 }
 

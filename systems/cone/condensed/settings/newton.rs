@@ -28,8 +28,15 @@ pub struct NewtonSettings {
     /// patches of up to 1500 bodies, a tenth to a fifth of the time was saved (decision 007).
     /// Where it is not halved, nine laboratory scenes take 5 % more factorisations.
     pub damping: f64,
-    /// Line search along a step.
-    pub line_search: LineSearchSettings,
+    /// Derivative of the energy along a step at which the line search ends, as a fraction of that at
+    /// the start of the step.
+    ///
+    /// 0.02: decision 001.
+    pub max_slope: f64,
+    /// Maximum number of evaluations of the derivative in a line search.
+    ///
+    /// 30: a bisection gains a factor of 1e9 with as many.
+    pub max_evaluations: u32,
 }
 
 impl Default for NewtonSettings {
@@ -39,30 +46,9 @@ impl Default for NewtonSettings {
             tiny_step: 0.02,
             max_tiny_steps: 4,
             damping: 1e-10,
-            line_search: LineSearchSettings::default(),
+            max_slope: 0.02,
+            max_evaluations: 30,
         }
-    }
-}
-
-/// Settings of the line search: a safeguarded Newton iteration for the zero of the derivative of
-/// the energy along a step.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LineSearchSettings {
-    /// Derivative at which the search ends, as a fraction of the derivative at the start of the
-    /// step.
-    ///
-    /// 0.02: decision 001.
-    pub max_slope: f64,
-    /// Maximum number of evaluations of the derivative.
-    ///
-    /// 30: a bisection gains a factor of 1e9 with as many.
-    pub max_evaluations: u32,
-}
-
-impl Default for LineSearchSettings {
-    fn default() -> Self {
-        Self { max_slope: 0.02, max_evaluations: 30 }
     }
 }
 
