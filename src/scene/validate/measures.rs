@@ -13,12 +13,7 @@ use super::places::length;
 use super::references::index_exists;
 use super::select::select;
 use super::thin_walls::one_piece;
-use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
-
-/// Whether a column of the history has this name already.
-fn is_taken(name: &str) -> bool {
-    COLUMNS.contains(&name) || ENERGY_COLUMNS.contains(&name)
-}
+use crate::history_columns;
 
 pub(super) fn check(findings: &mut Findings) {
     let context = findings.context;
@@ -51,7 +46,7 @@ pub(super) fn check(findings: &mut Findings) {
             let help = format!("write `of: {kind}(...)`, or give another name");
             findings.add(path, message, &help);
         }
-        if role.is_none() && is_taken(name) {
+        if role.is_none() && history_columns::has(name) {
             let path = format_args!("measures[{i}].name");
             let message = format!("the history has a column of this name (`{name}`)");
             findings.add(path, message, "give another name");
