@@ -55,28 +55,6 @@ pub mod tables;
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 
-use clastic_systems::assemble_program::AssembleProgramPlugin;
-use clastic_systems::assign_identities::AssignIdentitiesPlugin;
-use clastic_systems::attempt::AttemptPlugin;
-use clastic_systems::control_loads::ControlLoadsPlugin;
-use clastic_systems::control_walls::ControlWallsPlugin;
-use clastic_systems::detect_contacts::DetectContactsPlugin;
-use clastic_systems::energy_ledger::EnergyLedgerPlugin;
-use clastic_systems::gather_bodies::GatherBodiesPlugin;
-use clastic_systems::impacts::announce::AnnounceCollisionsPlugin;
-use clastic_systems::links::LinksPlugin;
-use clastic_systems::material_names::MaterialNamesPlugin;
-use clastic_systems::membranes::MembranesPlugin;
-use clastic_systems::record::RecordPlugin;
-use clastic_systems::rupture::announce::AnnounceRupturesPlugin;
-use clastic_systems::rupture::bonds::RuptureBondsPlugin;
-use clastic_systems::schedule::SchedulePlugin;
-use clastic_systems::solve_program::SolveProgramPlugin;
-use clastic_systems::step_control::StepControlPlugin;
-use clastic_systems::stepping::SteppingPlugin;
-use clastic_systems::trial_loads::TrialLoadsPlugin;
-use clastic_systems::update_state::UpdateStatePlugin;
-
 /// All plugins that an increment needs. The `clastic` program uses the same group as an embedding
 /// program.
 ///
@@ -111,29 +89,29 @@ impl ClasticPlugins {
 impl PluginGroup for ClasticPlugins {
     fn build(self) -> PluginGroupBuilder {
         let engine = PluginGroupBuilder::start::<Self>()
-            .add(SchedulePlugin)
-            .add(SteppingPlugin { schedule: self.schedule })
-            .add(AssignIdentitiesPlugin)
-            .add(GatherBodiesPlugin)
-            .add(TrialLoadsPlugin)
-            .add(DetectContactsPlugin)
-            .add(AssembleProgramPlugin)
-            .add(SolveProgramPlugin)
-            .add(AttemptPlugin)
-            .add(StepControlPlugin)
-            .add(UpdateStatePlugin)
-            .add(RuptureBondsPlugin)
-            .add(EnergyLedgerPlugin)
-            .add(ControlWallsPlugin)
-            .add(ControlLoadsPlugin)
-            .add(MembranesPlugin)
-            .add(LinksPlugin)
-            .add(RecordPlugin)
-            .add(AnnounceRupturesPlugin)
-            .add(AnnounceCollisionsPlugin)
-            .add(MaterialNamesPlugin);
+            .add(systems::schedule::SchedulePlugin)
+            .add(systems::stepping::SteppingPlugin { schedule: self.schedule })
+            .add(systems::assign_identities::AssignIdentitiesPlugin)
+            .add(systems::gather_bodies::GatherBodiesPlugin)
+            .add(systems::trial_loads::TrialLoadsPlugin)
+            .add(systems::detect_contacts::DetectContactsPlugin)
+            .add(systems::assemble_program::AssembleProgramPlugin)
+            .add(systems::solve_program::SolveProgramPlugin)
+            .add(systems::attempt::AttemptPlugin)
+            .add(systems::step_control::StepControlPlugin)
+            .add(systems::update_state::UpdateStatePlugin)
+            .add(systems::rupture::bonds::RuptureBondsPlugin)
+            .add(systems::energy_ledger::EnergyLedgerPlugin)
+            .add(systems::control_walls::ControlWallsPlugin)
+            .add(systems::control_loads::ControlLoadsPlugin)
+            .add(systems::membranes::MembranesPlugin)
+            .add(systems::links::LinksPlugin)
+            .add(systems::record::RecordPlugin)
+            .add(systems::rupture::announce::AnnounceRupturesPlugin)
+            .add(systems::impacts::announce::AnnounceCollisionsPlugin)
+            .add(systems::material_names::MaterialNamesPlugin);
         #[cfg(feature = "reflect")]
-        let engine = engine.add(clastic_systems::reflect::ReflectPlugin);
+        let engine = engine.add(systems::reflect::ReflectPlugin);
         engine
     }
 }

@@ -1,7 +1,7 @@
 //! Tables and charts of a part of the benchmark, as plain data.
 
 use crate::chart::Chart;
-use clastic::output::csv_file::Row;
+use clastic::output::csv_file::{Field, Row};
 
 /// A cell of a table.
 #[derive(Clone, Debug, PartialEq)]
@@ -81,15 +81,15 @@ impl Table {
     /// The whole table as CSV.
     #[must_use]
     pub fn csv(&self) -> String {
-        let header = self.columns.iter().fold(Row::default(), |row, name| row.text(name));
-        let rows = self.rows.iter().map(|cells| {
-            let row = cells.iter().fold(Row::default(), |row, cell| match cell {
-                Cell::Text(text) => row.text(text),
-                Cell::Count(count) => row.count(*count),
-                Cell::Number(number) => row.optional(Some(*number).filter(|x| x.is_finite())),
-            });
-            row.line()
-        });
+        let header = Row::default().and(self.columns.iter().copied());
+        fn field(cell: &Cell) -> Field<'_> {
+            match cell {
+                Cell::Text(text) => text.as_str().into(),
+                Cell::Count(count) => (*count).into(),
+                Cell::Number(number) => Some(*number).filter(|x| x.is_finite()).into(),
+            }
+        }
+        let rows = self.rows.iter().map(|cells| Row::default().and(cells.iter().map(field)).line());
         std::iter::once(header.line()).chain(rows).collect()
     }
 

@@ -14,7 +14,7 @@ use super::exit::{Exit, Failure, say};
 use super::memory::fits;
 use super::own_findings::own_findings;
 use super::resolve::resolve;
-use super::summary::in_one_round;
+use super::summary::{in_one_round, number};
 
 /// Checks a scene.
 pub fn check(args: &SceneArgs, app: &App) -> Result<Exit, Failure> {
@@ -44,8 +44,4 @@ pub fn check(args: &SceneArgs, app: &App) -> Result<Exit, Failure> {
         say(format_args!("WARNING: {warning}"))?;
     }
     Ok(Exit::Ok)
-}
-
-fn number(n: usize, of: &str) -> String {
-    format!("{n} {of}{}", if n == 1 { "" } else { "s" })
 }

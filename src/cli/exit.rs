@@ -4,7 +4,7 @@ use std::fmt::Display;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use crate::output::{OutputError, ResumeError};
+use crate::output::OutputError;
 use crate::scene::LoadError;
 use crate::scene::shown::escaped;
 
@@ -40,6 +40,13 @@ pub struct Failure {
     pub message: String,
 }
 
+impl Failure {
+    /// A failure with this exit code and message.
+    pub fn new(exit: Exit, message: impl Display) -> Self {
+        Self { exit, message: message.to_string() }
+    }
+}
+
 impl From<LoadError> for Failure {
     fn from(error: LoadError) -> Self {
         let exit = match error {
@@ -47,19 +54,13 @@ impl From<LoadError> for Failure {
             LoadError::Set(_) => Exit::Usage,
             LoadError::Scene(_) => Exit::Scene,
         };
-        Self { exit, message: error.to_string() }
+        Self::new(exit, error)
     }
 }
 
 impl From<OutputError> for Failure {
     fn from(error: OutputError) -> Self {
-        Self { exit: Exit::Files, message: error.to_string() }
-    }
-}
-
-impl From<ResumeError> for Failure {
-    fn from(error: ResumeError) -> Self {
-        Self { exit: Exit::Files, message: error.to_string() }
+        Self::new(Exit::Files, error)
     }
 }
 
@@ -71,7 +72,7 @@ impl From<ResumeError> for Failure {
 pub fn say(what: impl Display) -> Result<(), Failure> {
     match writeln!(io::stdout(), "{}", escaped(&what.to_string())) {
         Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
-            Err(Failure { exit: Exit::Files, message: format!("standard output: {error}") })
+            Err(Failure::new(Exit::Files, format_args!("standard output: {error}")))
         }
         _ => Ok(()),
     }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use clap::{Args, ValueEnum};
 
 use crate::export;
-use crate::frames::{Frame, FrameError, series};
+use crate::frames::{Frame, series};
 use crate::output::directory;
 use crate::output::drive::Drive;
 use crate::output::read_history::History;
@@ -91,15 +91,9 @@ impl At {
                 true => "it has none; run the scene again with this clastic".to_owned(),
                 false => format!("it has frames of the increments {}", numbers.join(", ")),
             };
-            let message = format!("{}: no frame of {what}; {kept}", run.display());
-            Failure { exit: Exit::Files, message }
+            let run = run.display();
+            Failure::new(Exit::Files, format_args!("{run}: no frame of {what}; {kept}"))
         })
-    }
-}
-
-impl From<FrameError> for Failure {
-    fn from(error: FrameError) -> Self {
-        Self { exit: Exit::Files, message: error.to_string() }
     }
 }
 
@@ -125,19 +119,16 @@ pub fn export(args: &ExportArgs) -> Result<Exit, Failure> {
     frames.sort_by_key(|frame| frame.increment);
     frames.dedup_by_key(|frame| frame.increment);
     if frames.is_empty() {
-        let message =
-            format!("{}: no frames; run the scene again with this clastic", run.display());
-        return Err(Failure { exit: Exit::Files, message });
+        let run = run.display();
+        let message = format!("{run}: no frames; run the scene again with this clastic");
+        return Err(Failure::new(Exit::Files, message));
     }
-    let name = match args.format {
-        Format::Vtk => "vtk",
-        Format::Csv => "csv",
+    let (name, write): (_, fn(&_, &_) -> _) = match args.format {
+        Format::Vtk => ("vtk", export::vtk),
+        Format::Csv => ("csv", export::csv),
     };
-    let folder = args.out.clone().unwrap_or_else(|| args.directory.join(name));
-    match args.format {
-        Format::Vtk => export::vtk(&frames, &folder)?,
-        Format::Csv => export::csv(&frames, &folder)?,
-    }
+    let folder = args.out.clone().unwrap_or_else(|| run.join(name));
+    write(&frames, &folder)?;
     say(format_args!("{} frames: {}", frames.len(), folder.display()))?;
     Ok(Exit::Ok)
 }

@@ -12,21 +12,17 @@ use super::exit::{Exit, Failure};
 /// With the estimate and the free memory.
 pub fn fits(loaded: &LoadedScene) -> Result<(), Failure> {
     let need = Need::of(&loaded.scene, loaded.specimen.as_ref());
-    match free() {
-        Some(free) if need.bytes > free => Err(Failure {
-            exit: Exit::Scene,
-            message: format!(
-                "{}: specimen: {} particles with about {:.1e} contacts and bonds take about {} of \
-                 memory, and {} are free; take a smaller specimen or free some memory",
-                loaded.path.display(),
-                need.particles,
-                need.pairs,
-                size(need.bytes),
-                size(free),
-            ),
-        }),
-        _ => Ok(()),
-    }
+    let Some(free) = free().filter(|free| need.bytes > *free) else { return Ok(()) };
+    let message = format!(
+        "{}: specimen: {} particles with about {:.1e} contacts and bonds take about {} of memory, \
+         and {} are free; take a smaller specimen or free some memory",
+        loaded.path.display(),
+        need.particles,
+        need.pairs,
+        size(need.bytes),
+        size(free),
+    );
+    Err(Failure::new(Exit::Scene, message))
 }
 
 /// Memory that this process can still allocate, bytes; `None` if the system does not tell.

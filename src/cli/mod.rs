@@ -7,19 +7,15 @@ mod check;
 pub mod exit;
 mod export;
 mod interrupt;
-mod list;
 pub mod memory;
 mod new;
 pub mod own_findings;
-mod peak_error;
 mod progress;
 #[cfg(feature = "report")]
 mod report;
 pub mod resolve;
 mod resume;
 mod run;
-#[cfg(feature = "report")]
-mod runs_table;
 mod summary;
 mod sweep;
 mod threads;
@@ -145,7 +141,7 @@ impl OfPython {
             "`clastic {command}` is a command of the package for Python: `pip install './python[all]'`, and \
              then `clastic {command} --help` of that environment; docs/python.md has the rest"
         );
-        Err(exit::Failure { exit: Exit::Usage, message })
+        Err(exit::Failure::new(Exit::Usage, message))
     }
 }
 
@@ -274,7 +270,7 @@ fn execute<M>(command: Command, words: &[OsString], plugins: impl Plugins<M> + S
             on_threads(args.output.threads, || resume::resume(&args, program()))
         }
         Command::Check(args) => check::check(&args, &program()),
-        Command::List => list::list(),
+        Command::List => resolve::list(),
         Command::New { name } => new::new(name.as_deref()),
         Command::Sweep(args) => sweep::sweep(&args, words, &program()),
         Command::Envelope(args) => args.refuse("envelope"),

@@ -1,7 +1,5 @@
 //! `clastic new`: commented scenes to start from.
 
-use std::path::Path;
-
 use crate::scene::format::Specimen;
 use crate::scene::{load, shipped, suggest};
 
@@ -34,15 +32,14 @@ pub fn new(name: Option<&str>) -> Result<Exit, Failure> {
         let names: Vec<_> = RIGS.iter().map(|(rig, ..)| *rig).chain(shipped::names()).collect();
         let help = suggest::help(name, &names, "rigs and scenes");
         let message = format!("no rig or shipped scene `{name}`; {help}");
-        return Err(Failure { exit: Exit::Usage, message });
+        return Err(Failure::new(Exit::Usage, message));
     };
     let loaded = load(&path, &[])?;
     say(loaded.text.trim_end())?;
     if let Specimen::File { path, .. } | Specimen::State { path, .. } = &loaded.scene.specimen {
-        let within = Path::new("scenes").join(path);
         complain(format_args!(
-            "note: it reads `{path}`, which is part of clastic ({} in its sources): put a copy beside the scene",
-            within.display()
+            "note: it reads `{path}`, which is part of clastic (scenes/{path} in its sources): put a copy beside \
+             the scene"
         ));
     }
     Ok(Exit::Ok)

@@ -15,80 +15,64 @@ use super::summary::stress;
 const PAUSE: Duration = Duration::from_secs(1);
 
 /// Output during a run.
-pub enum Progress {
-    /// No output.
-    Quiet,
-    /// A bar for the current stage.
-    Bar {
-        /// The bar.
-        bar: ProgressBar,
-        /// Stage of the bar.
-        stage: Option<usize>,
-        /// Number of stages.
-        stages: usize,
-    },
-    /// Lines on standard error.
-    Lines {
-        /// Stage and time of the last line.
-        last: Option<(usize, Instant)>,
-        /// Number of stages.
-        stages: usize,
-    },
+pub struct Progress {
+    quiet: bool,
+    /// Number of stages.
+    stages: usize,
+    /// A bar for the current stage, on a terminal.
+    bar: Option<ProgressBar>,
+    /// Stage and time of the last line, or of the start of the bar.
+    last: Option<(usize, Instant)>,
 }
 
 impl Progress {
     /// Starts the output for a run with this number of stages.
     pub fn new(quiet: bool, stages: usize) -> Self {
-        if quiet {
-            return Self::Quiet;
-        }
-        if !io::stderr().is_terminal() {
-            return Self::Lines { last: None, stages };
-        }
-        let bar = ProgressBar::new(0);
-        let template = "{prefix} [{bar:24}] {pos}/{len}, {msg}, {eta} left";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style.progress_chars("=> "));
-        }
-        bar.enable_steady_tick(Duration::from_millis(200));
-        Self::Bar { bar, stage: None, stages }
+        let bar = bar(quiet, "{prefix} [{bar:24}] {pos}/{len}, {msg}, {eta} left");
+        bar.iter().for_each(|bar| bar.enable_steady_tick(Duration::from_millis(200)));
+        Self { quiet, stages, bar, last: None }
     }
 
     /// Shows the progress after an increment.
     pub fn show(&mut self, place: &ClasticProgress, o: &Observation) {
-        let name = label(&place.stage_name);
-        let title = |stages| format!("stage {}/{stages} {name}", place.stage + 1);
-        match self {
-            Self::Quiet => {}
-            Self::Bar { bar, stage, stages } => {
-                if *stage != Some(place.stage) {
-                    *stage = Some(place.stage);
-                    bar.reset();
-                    bar.set_prefix(title(*stages));
-                }
-                // Increments may be fractions, and the bar counts whole ones.
-                bar.set_length(place.total.ceil() as u64);
-                bar.set_position(place.done as u64);
-                bar.set_message(state(o));
+        let stage = place.stage;
+        let begins = self.last.is_none_or(|(last, _)| last != stage);
+        let title = || format!("stage {}/{} {}", stage + 1, self.stages, label(&place.stage_name));
+        if let Some(bar) = &self.bar {
+            if begins {
+                bar.reset();
+                bar.set_prefix(title());
+                self.last = Some((stage, Instant::now()));
             }
-            Self::Lines { last, stages } => {
-                let due = last
-                    .is_none_or(|(stage, time)| stage != place.stage || time.elapsed() >= PAUSE);
-                if due {
-                    *last = Some((place.stage, Instant::now()));
-                    let (done, total) = (place.done.floor(), place.total.ceil());
-                    complain(format_args!("{} {done}/{total}, {}", title(*stages), state(o)));
-                }
-            }
+            // Increments may be fractions, and the bar counts whole ones.
+            bar.set_length(place.total.ceil() as u64);
+            bar.set_position(place.done as u64);
+            bar.set_message(state(o));
+        } else if !self.quiet
+            && (begins || self.last.is_some_and(|(_, time)| time.elapsed() >= PAUSE))
+        {
+            let (done, total) = (place.done.floor(), place.total.ceil());
+            complain(format_args!("{} {done}/{total}, {}", title(), state(o)));
+            self.last = Some((stage, Instant::now()));
         }
     }
 
     /// Clears the bar.
     pub fn end(self) {
-        if let Self::Bar { bar, .. } = self {
-            bar.finish_and_clear();
-        }
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
     }
+}
+
+/// A bar of this form on a terminal, unless it is to be quiet.
+pub fn bar(quiet: bool, template: &str) -> Option<ProgressBar> {
+    if quiet || !io::stderr().is_terminal() {
+        return None;
+    }
+    let bar = ProgressBar::new(0);
+    if let Ok(style) = ProgressStyle::with_template(template) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    Some(bar)
 }
 
 /// Strain, stress and broken bonds of an increment, if they are defined, and whether bonds break at

@@ -1,4 +1,4 @@
-//! File of a scene argument.
+//! Scenes by name: the file of an argument, and `clastic list`.
 
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
@@ -6,10 +6,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::scene::shipped;
 use crate::scene::shown::label;
+use crate::scene::{load, shipped, suggest};
 
-use super::exit::{Exit, Failure};
+use super::exit::{Exit, Failure, say};
 
 /// Directory of scenes that can be run by name.
 pub const SCENES: &str = "scenes";
@@ -28,7 +28,7 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
         return Ok(with_extension);
     }
     let name = scene.to_string_lossy();
-    let fail = |message| Err(Failure { exit: Exit::Files, message });
+    let fail = |message| Err(Failure::new(Exit::Files, message));
     if scene.components().count() != 1 {
         return fail(format!("no scene `{}`: no such file", label(&name)));
     }
@@ -40,7 +40,8 @@ pub fn resolve(scene: &Path) -> Result<PathBuf, Failure> {
     if let Some(path) = shipped::path(stem) {
         return Ok(path);
     }
-    let help = nearest(stem).map_or_else(
+    let known = scenes().unwrap_or_default();
+    let help = suggest::nearest(stem, known.keys().map(String::as_str)).map_or_else(
         || "`clastic list` shows the scenes that have a name".to_owned(),
         |near| format!("did you mean `{near}`?"),
     );
@@ -72,12 +73,19 @@ pub fn scenes() -> io::Result<BTreeMap<String, PathBuf>> {
     Ok(scenes)
 }
 
-/// The scene name that is nearest to a misspelt one.
-fn nearest(name: &str) -> Option<String> {
-    let names = scenes().ok()?.into_keys();
-    names
-        .map(|candidate| (strsim::damerau_levenshtein(name, &candidate), candidate))
-        .filter(|(distance, candidate)| 3 * distance <= candidate.chars().count())
-        .min()
-        .map(|(_, candidate)| candidate)
+/// Lists the scenes with their titles.
+pub fn list() -> Result<Exit, Failure> {
+    let scenes = scenes().map_err(|error| {
+        let remedy = "go to another directory, or give `run` a path";
+        Failure::new(Exit::Files, format_args!("./{SCENES}: {error}; {remedy}"))
+    })?;
+    let width = scenes.keys().map(|name| name.chars().count()).max().unwrap_or(0);
+    for (name, path) in scenes {
+        let title = load(&path, &[]).map_or_else(
+            |_| format!("(has errors; see `clastic check {name}`)"),
+            |loaded| label(&loaded.scene.title),
+        );
+        say(format_args!("{name:width$}  {title}"))?;
+    }
+    Ok(Exit::Ok)
 }

@@ -7,10 +7,10 @@ use bevy_app::App;
 
 use crate::output::directory;
 use crate::output::run_record::CLASTIC_VERSION;
-use crate::output::{self, Checkpoint, OutputPlugin, ResumeError};
+use crate::output::{self, Checkpoint, OutputError, OutputPlugin};
 use crate::run::state::{StateError, StateView};
 use crate::run::{Simulation, changes};
-use crate::scene::from_str_with;
+use crate::scene::{LoadError, from_str_with};
 
 use super::ResumeArgs;
 use super::exit::{Exit, Failure, complain, say};
@@ -22,7 +22,7 @@ pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
     let is_changed = !args.sets.is_empty() || args.scene.is_some();
     let checkpoint = match Checkpoint::read(directory) {
-        Err(ResumeError::NoCheckpoint(_)) if ended(directory)? => {
+        Err(OutputError::NoCheckpoint(_)) if ended(directory)? => {
             if !is_changed {
                 say(format_args!(
                     "{}: this run is at its end; there is nothing to resume. More stages or \
@@ -33,7 +33,7 @@ pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
                 return Ok(Exit::Ok);
             }
             match Checkpoint::read_as(directory, directory::FINAL_CHECKPOINT) {
-                Err(ResumeError::NoCheckpoint(_)) => return Err(too_late(directory, &args.sets)),
+                Err(OutputError::NoCheckpoint(_)) => return Err(too_late(directory, &args.sets)),
                 read => read?,
             }
         }
@@ -45,21 +45,19 @@ pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     let before = read(&checkpoint.scene, &[])?.scene;
     let text = match &args.scene {
         None => checkpoint.scene.clone(),
-        Some(file) => fs::read_to_string(file).map_err(|error| Failure {
-            exit: Exit::Files,
-            message: format!("{}: cannot read the scene: {error}", file.display()),
-        })?,
+        Some(file) => fs::read_to_string(file)
+            .map_err(|source| LoadError::Read { path: file.clone(), source })?,
     };
     let loaded = read(&text, &args.sets)?;
     // The run began without such walls, so a setting has added them. Its path is in the message.
     let foreign = own_findings(&loaded.scene, &app);
     if let Some(finding) = foreign.first() {
-        return Err(Failure { exit: Exit::Scene, message: finding.to_string() });
+        return Err(Failure::new(Exit::Scene, finding));
     }
     let view = StateView::of(&checkpoint.world).map_err(damaged)?;
     let refused = changes::refused(&before, &loaded.scene, &view);
     if !refused.is_empty() {
-        return Err(Failure { exit: Exit::Usage, message: refused.join("\n") });
+        return Err(Failure::new(Exit::Usage, refused.join("\n")));
     }
 
     let increment = checkpoint.increment;
@@ -83,12 +81,12 @@ pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     if !args.output.quiet {
         complain(format_args!("resumed after increment {increment}"));
     }
-    to_the_end(simulation, directory, args.output.quiet)
+    to_the_end(simulation, args.output.quiet)
 }
 
 /// Failure for a state that this program cannot restore.
 fn damaged(error: StateError) -> Failure {
-    Failure { exit: Exit::Usage, message: format!("the checkpoint cannot be resumed: {error}") }
+    Failure::new(Exit::Usage, format_args!("the checkpoint cannot be resumed: {error}"))
 }
 
 /// Failure for settings of a run that has ended and has no checkpoint of its end. The result files
@@ -103,7 +101,7 @@ fn too_late(directory: &Path, sets: &[String]) -> Failure {
         directory::FINAL_CHECKPOINT,
         sets.join(" "),
     );
-    Failure { exit: Exit::Usage, message }
+    Failure::new(Exit::Usage, message)
 }
 
 /// Whether the run in a directory has ended.

@@ -1,15 +1,11 @@
 //! `clastic run`: runs a scene to its end, or until it is interrupted.
 
-use std::path::Path;
-
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::components::increment::ClasticProgress;
 use crate::components::observation::Observation;
 use crate::output::directory::default_directory;
-use crate::output::found::Found;
-use crate::output::prepared::PreparedSpecimen;
 use crate::output::{
     self, Ending, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions,
 };
@@ -27,7 +23,7 @@ use super::memory::fits;
 use super::own_findings::own_findings;
 use super::progress::Progress;
 use super::resolve::resolve;
-use super::summary::{Summary, summary};
+use super::summary::summary;
 
 /// Runs a scene.
 pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
@@ -43,18 +39,16 @@ pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
                 "--dump-program {stage}:N: the scene has no such stage; its stages are {}",
                 names.join(", ")
             );
-            return Err(Failure { exit: Exit::Usage, message });
+            return Err(Failure::new(Exit::Usage, message));
         }
     }
     for warning in sanity::before(&loaded.scene, loaded.specimen.as_ref()).warnings {
         complain(format_args!("WARNING: {warning}"));
     }
-    let directory = args.out.clone().unwrap_or_else(|| default_directory(&path));
-    let specimen = loaded.specimen.as_ref();
     app.add_plugins(OutputPlugin);
-    let mut simulation = Simulation::in_app(app, &loaded.scene, specimen);
+    let mut simulation = Simulation::in_app(app, &loaded.scene, loaded.specimen.as_ref());
     let options = RunOptions {
-        directory: directory.clone(),
+        directory: args.out.clone().unwrap_or_else(|| default_directory(&path)),
         force: args.force,
         overrides: args.scene.sets.clone(),
         dump_programs: dumps.iter().filter(|d| d.stage.is_none()).map(|d| d.increment).collect(),
@@ -65,15 +59,11 @@ pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
         checkpoint_every: args.output.checkpoint_every.unwrap_or(0),
     };
     output::begin(simulation.world_mut(), options, &loaded)?;
-    to_the_end(simulation, &directory, args.output.quiet)
+    to_the_end(simulation, args.output.quiet)
 }
 
 /// Runs a simulation with an open run directory to its end and writes the results.
-pub fn to_the_end(
-    mut simulation: Simulation,
-    directory: &Path,
-    quiet: bool,
-) -> Result<Exit, Failure> {
+pub fn to_the_end(mut simulation: Simulation, quiet: bool) -> Result<Exit, Failure> {
     let interrupt = Interrupt::listen();
     let mut progress =
         Progress::new(quiet, simulation.world().resource::<Script>().scene.stages.len());
@@ -81,7 +71,7 @@ pub fn to_the_end(
         let step = simulation.step();
         let world = simulation.world_mut();
         if let Some(OutputFailure(error)) = world.remove_resource::<OutputFailure>() {
-            return Err(stopped(error, world.resource::<RunDirectory>(), directory));
+            return Err(stopped(error, world.resource()));
         }
         if let Step::Finished(outcome) = step {
             break Ending::Finished(outcome);
@@ -95,17 +85,17 @@ pub fn to_the_end(
 
     let world = simulation.world_mut();
     let finished = output::finish(world, &ending);
-    let run = world.resource::<RunDirectory>();
-    let results = finished.map_err(|e| stopped(e, run, directory))?;
-    let run = simulation.world().resource::<RunDirectory>();
-    let increments = simulation.world().resource::<Observation>().increment;
-    for missed in run.dump_programs().iter().filter(|n| **n > increments) {
+    let (world, run) = (&*world, world.resource::<RunDirectory>());
+    let results = finished.map_err(|error| stopped(error, run))?;
+    let directory = run.directory();
+    let increments = world.resource::<Observation>().increment;
+    for missed in run.options.dump_programs.iter().filter(|n| **n > increments) {
         complain(format_args!(
             "--dump-program {missed}: the run ended with increment {increments}"
         ));
     }
-    let script = simulation.world().resource::<Script>();
-    for (stage, n) in run.dump_in_stages() {
+    let script = world.resource::<Script>();
+    for (stage, n) in &run.options.dump_in_stages {
         let made = script.ends.iter().find(|end| end.stage == *stage).map_or(0, |e| e.rows);
         if *n > made {
             complain(format_args!(
@@ -113,17 +103,7 @@ pub fn to_the_end(
             ));
         }
     }
-    let mut text = summary(&Summary {
-        ending: &ending,
-        increment: increments,
-        script,
-        results: &results,
-        sanity: &sanity::after(simulation.world()),
-        peak_force: run.peak_force(),
-        settled: simulation.world().resource::<Found>().settled,
-        specimen: simulation.world().resource::<PreparedSpecimen>().written.as_deref(),
-        directory,
-    });
+    let mut text = summary(&ending, increments, script, &run.record, directory);
     let packs = script.scene.stages.iter().all(|s| matches!(s, Stage::Compact(_)));
     if let Some(porosity) = results.porosity.filter(|_| packs) {
         text += &format!("\nporosity of the packing {porosity:.4}");
@@ -136,28 +116,28 @@ pub fn to_the_end(
     match ending {
         Ending::Interrupted => Ok(Exit::Interrupted),
         Ending::Finished(Outcome::Undecided { message, .. }) => {
-            Err(Failure { exit: Exit::Solver, message })
+            Err(Failure::new(Exit::Solver, message))
         }
-        Ending::Finished(Outcome::Halted(message)) => Err(Failure { exit: Exit::Files, message }),
+        Ending::Finished(Outcome::Halted(message)) => Err(Failure::new(Exit::Files, message)),
         Ending::Finished(Outcome::Refused { message, .. }) => {
             let message = format!(
                 "{message}; once the stage is mended, `clastic resume {} --set PATH=VALUE` goes on (another wall \
                  or material needs another run)",
                 directory.display()
             );
-            Err(Failure { exit: Exit::Scene, message })
+            Err(Failure::new(Exit::Scene, message))
         }
         Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) => Ok(Exit::Ok),
     }
 }
 
 /// Message for output that fails during a run.
-fn stopped(error: OutputError, run: &RunDirectory, directory: &Path) -> Failure {
+fn stopped(error: OutputError, run: &RunDirectory) -> Failure {
     let mut failure = Failure::from(error);
-    if let Some(increment) = run.saved() {
+    if let Some(increment) = run.saved {
         failure.message += &format!(
             "\nthe run stopped; once that is mended, `clastic resume {}` goes on after increment {increment}",
-            directory.display()
+            run.directory().display()
         );
     }
     failure

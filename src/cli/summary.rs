@@ -2,45 +2,25 @@
 
 use std::path::Path;
 
-use super::peak_error::peak_error;
 use crate::output::Ending;
 use crate::output::drive::PeakForce;
 use crate::output::found::Settled;
-use crate::run::key_results::{RIGID, Results};
-use crate::run::sanity::Report;
+use crate::output::run_record::RunRecord;
+use crate::run::key_results::{PEAK_ERROR, RIGID, Results};
 use crate::run::stages::Script;
 use crate::run::{Collapse, EndedBy, Outcome, StageEnd};
-use crate::scene::format::{Analysis, Stage};
+use crate::scene::format::{Analysis, RuptureOrder, Scene, Stage};
 use crate::scene::one_round::one_round;
 use crate::scene::shown::label;
 
-/// Data of the summary.
-pub struct Summary<'a> {
-    /// How the run ended.
-    pub ending: &'a Ending,
-    /// Last increment of the run.
-    pub increment: u64,
-    /// Scene and stages of the run.
-    pub script: &'a Script,
-    /// Key results of the run.
-    pub results: &'a Results,
-    /// Physical sanity of the test.
-    pub sanity: &'a Report,
-    /// Peak of the force of a run without a stress.
-    pub peak_force: Option<&'a PeakForce>,
-    /// How a packing settled in the first increment after its compaction.
-    pub settled: Option<Settled>,
-    /// Moment of `specimen.csv`, if the file exists.
-    pub specimen: Option<&'a str>,
-    /// Directory of the results.
-    pub directory: &'a Path,
-}
-
-/// Text of the summary: how the run ended, key results, directory.
-pub fn summary(of: &Summary) -> String {
-    let Summary {
-        ending, increment, script, results, sanity, settled, specimen, directory, ..
-    } = *of;
+/// Text of the summary: how the run ended after `increment` increments, key results, directory.
+pub fn summary(
+    ending: &Ending,
+    increment: u64,
+    script: &Script,
+    record: &RunRecord,
+    directory: &Path,
+) -> String {
     let outcome = match ending {
         Ending::Interrupted => format!(
             "interrupted after increment {increment}; `clastic resume {}` goes on",
@@ -67,7 +47,7 @@ pub fn summary(of: &Summary) -> String {
             format!("stopped after increment {increment}: stage {} cannot begin", label(stage))
         }
     };
-    let r = results;
+    let r = &record.results;
     let mut parts = Vec::new();
     parts.extend(r.youngs_modulus_pa.map(|e| format!("E = {}", stress(e))));
     if let (Some(peak), Some(strain)) = (r.peak_stress_pa, r.strain_at_peak) {
@@ -85,7 +65,7 @@ pub fn summary(of: &Summary) -> String {
             100.0 * strain
         ));
     }
-    parts.extend(of.peak_force.map(PeakForce::line));
+    parts.extend(record.peak_force.as_ref().map(PeakForce::line));
     parts.extend(r.residual_strength_pa.map(|s| format!("residual strength {}", stress(s))));
     parts.extend(
         r.friction_angle_rad.map(|phi| format!("friction angle {:.2} degrees", phi.to_degrees())),
@@ -105,40 +85,33 @@ pub fn summary(of: &Summary) -> String {
             b.rolling,
         ));
         if r.avalanches > 0 {
-            let (n, most) = (r.avalanches, r.largest_avalanche);
-            let avalanches = if n == 1 { "avalanche" } else { "avalanches" };
-            let bonds = if most == 1 { "bond" } else { "bonds" };
-            parts.push(format!("{n} {avalanches}, the largest of {most} {bonds}"));
+            let largest = number(r.largest_avalanche, "bond");
+            parts.push(format!("{}, the largest of {largest}", number(r.avalanches, "avalanche")));
         }
     }
     let mut lines = vec![outcome];
     lines.extend(script.ends.iter().filter_map(stage));
     lines.extend(warnings(script));
     lines.extend(after_collapse(script));
-    let has_bonds = results.bonds_created > 0;
-    let reason = has_bonds.then(|| one_round(&script.scene)).flatten();
+    let reason = one_round(&script.scene).filter(|_| r.bonds_created > 0);
     lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
-    lines.extend(peak_error(&script.scene, results));
-    lines.extend(sanity.warnings.iter().map(|warning| format!("WARNING: {warning}")));
-    lines.extend(not_defined(script, ending, results));
+    lines.extend(peak_error(&script.scene, r));
+    lines.extend(record.sanity.warnings.iter().map(|warning| format!("WARNING: {warning}")));
+    lines.extend(not_defined(script, ending, r));
     if !parts.is_empty() {
         lines.push(parts.join("; "));
     }
-    lines.extend(settled.map(|Settled { porosity_before, porosity_after }| {
+    lines.extend(record.settled.map(|Settled { porosity_before, porosity_after }| {
         format!(
             "note: the packing was not jammed and settled in the first increment after its \
              compaction: porosity {porosity_before:.4} before, {porosity_after:.4} after"
         )
     }));
-    if !sanity.line().is_empty() {
-        lines.push(sanity.line());
-    }
-    if let Some(moment) = specimen {
-        lines.push(format!(
-            "specimen.csv holds the particles {}; final_particles.csv those at the end",
-            label(moment)
-        ));
-    }
+    lines.extend(Some(record.sanity.line()).filter(|line| !line.is_empty()));
+    lines.extend(record.specimen_csv.as_ref().map(|moment| {
+        let moment = label(moment);
+        format!("specimen.csv holds the particles {moment}; final_particles.csv those at the end")
+    }));
     lines.push(format!("results in {}", directory.display()));
     lines.join("\n")
 }
@@ -221,33 +194,59 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
     }
     let mut lines = Vec::new();
     // A rigid specimen has a limit load and no modulus, so this is no warning.
-    if reason("youngs_modulus_pa").is_some_and(|reason| reason != RIGID) {
-        lines.extend(
-            reason("youngs_modulus_pa").map(|reason| format!("E is not defined: {reason}")),
-        );
-    }
+    let modulus = reason("youngs_modulus_pa").filter(|reason| *reason != RIGID);
+    lines.extend(modulus.map(|reason| format!("E is not defined: {reason}")));
     if matches!(ending, Ending::Finished(Outcome::Collapsed(_))) {
-        lines.extend(
-            reason("limit_load_pa")
-                .map(|reason| format!("the limit load is not defined: {reason}")),
-        );
+        let limit = reason("limit_load_pa");
+        lines.extend(limit.map(|reason| format!("the limit load is not defined: {reason}")));
     }
     lines
+}
+
+/// Warning about a peak that depends on the size of the increments, with what helps under the rule by
+/// which bonds broke.
+fn peak_error(scene: &Scene, results: &Results) -> Option<String> {
+    let estimate = results.peak_error_estimate.filter(|e| *e > PEAK_ERROR)?;
+    results.peak_stress_pa?;
+    let events = scene.rupture.order == RuptureOrder::Events;
+    let (why, remedy) = if events && one_round(scene).is_none() {
+        (
+            "many bonds broke together at the end of an increment",
+            "let each bond break at its own load, `rupture: (density: 21.0, brittleness: 0.0)`, \
+             which takes several solves a bond",
+        )
+    } else if events {
+        ("bonds broke late", "remove the reason for which `Events` does not hold here")
+    } else {
+        (
+            "bonds broke late",
+            "`rupture: (order: Events)` (it holds for static stages and elastic bonds with strength that \
+             do not break in rolling)",
+        )
+    };
+    Some(format!(
+        "WARNING: the peak depends on the size of the increments, by about {:.0} %: {why}; give smaller \
+         increments, or {remedy}",
+        100.0 * estimate
+    ))
 }
 
 /// What ended a stage before its last increment, or where a packing is jammed; `None` for a stage
 /// that ran to its end.
 fn stage(end: &StageEnd) -> Option<String> {
-    let StageEnd { stage, increments, .. } = end;
-    let n = if *increments == 1 { "increment" } else { "increments" };
     let stop = end.stop.as_ref().filter(|_| end.ended_by == Some(EndedBy::Stop));
-    let stage = label(stage);
-    let jammed = end.jammed_at.map(|porosity| {
-        format!("stage {stage}: jammed at a porosity of {porosity:.4} after {increments} {n}")
-    });
-    jammed.or_else(|| {
-        stop.map(|stop| format!("stage {stage}: stopped by {stop:?} after {increments} {n}"))
-    })
+    let what = match (end.jammed_at, stop) {
+        (Some(porosity), _) => format!("jammed at a porosity of {porosity:.4}"),
+        (None, Some(stop)) => format!("stopped by {stop:?}"),
+        (None, None) => return None,
+    };
+    let made = number(end.increments as usize, "increment");
+    Some(format!("stage {}: {what} after {made}", label(&end.stage)))
+}
+
+/// A number of things, such as `2 walls`.
+pub fn number(n: usize, of: &str) -> String {
+    format!("{n} {of}{}", if n == 1 { "" } else { "s" })
 }
 
 /// A stress in a suitable unit.
@@ -264,6 +263,7 @@ pub fn stress(pascals: f64) -> String {
 
 #[cfg(test)]
 mod tests {
+    use crate::output::run_record::RunFacts;
     use crate::run::CollapsedBy;
     use crate::run::key_results::KeyResults;
     use crate::scene::format::Stop;
@@ -284,9 +284,9 @@ mod tests {
 
     /// Summary of a run of two stages, each with its number of increments and of capped increments.
     fn said(stages: [(u64, u64); 2], measured: bool, results: &Results) -> String {
-        let mut scene = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap().scene;
+        let mut loaded = from_str(SCENE, Path::new("t.ron"), Path::new(""), &[]).unwrap();
         if !measured {
-            scene.measures = Default::default();
+            loaded.scene.measures = Default::default();
         }
         let stop = Some(Stop::Above("axial_strain".to_owned(), 0.02));
         let ends = [("confine", None), ("shear", stop)].into_iter().zip(stages);
@@ -299,19 +299,11 @@ mod tests {
             stop,
             ..StageEnd::default()
         });
-        let mut script = Script::new(&scene);
-        script.ends = ends.collect();
-        summary(&Summary {
-            ending: &Ending::Finished(Outcome::Completed),
-            increment: 35,
-            script: &script,
-            results,
-            sanity: &Report::default(),
-            peak_force: None,
-            settled: None,
-            specimen: None,
-            directory: Path::new("runs/tension"),
-        })
+        let script = Script { ends: ends.collect(), ..Script::new(&loaded.scene) };
+        let mut record = RunRecord::new(&loaded, &RunFacts::new(&loaded, &[]).unwrap());
+        record.results = results.clone();
+        let ending = Ending::Finished(Outcome::Completed);
+        summary(&ending, 35, &script, &record, Path::new("runs/tension"))
     }
 
     #[test]
@@ -428,5 +420,26 @@ mod tests {
         {
             assert!(line.contains(what), "no `{what}` in {text}");
         }
+    }
+
+    fn of_peak(rupture: &str) -> String {
+        let text = include_str!("../../scenes/uniaxial_small.ron");
+        assert!(text.contains("rupture: (order: OneRound)"));
+        let text = text.replacen("rupture: (order: OneRound)", &format!("rupture: {rupture}"), 1);
+        let scene = from_str(&text, "s.ron".as_ref(), ".".as_ref(), &[]).unwrap().scene;
+        let results = Results {
+            peak_stress_pa: Some(1e6),
+            peak_error_estimate: Some(0.03),
+            ..Results::default()
+        };
+        peak_error(&scene, &results).unwrap()
+    }
+
+    #[test]
+    fn the_warning_of_a_peak_does_not_advise_the_order_that_is_in_use() {
+        let of_events = of_peak("(order: Events, rolling: Yields)");
+        assert!(!of_events.contains("order: Events"), "{of_events}");
+        assert!(of_events.contains("density: 21.0, brittleness: 0.0"), "{of_events}");
+        assert!(of_peak("(order: OneRound)").contains("rupture: (order: Events)"));
     }
 }

@@ -18,11 +18,9 @@ pub fn on_threads(
 ) -> Result<Exit, Failure> {
     let cores = available_parallelism().map_or(1, NonZero::get);
     let threads = threads.map_or(cores, |threads| cores.min(threads as usize));
-    match ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build() {
-        Ok(pool) => pool.install(command),
-        Err(error) => {
-            let message = format!("cannot start {threads} threads: {error}");
-            Err(Failure { exit: Exit::Files, message })
-        }
-    }
+    let pool = ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build();
+    let pool = pool.map_err(|error| {
+        Failure::new(Exit::Files, format_args!("cannot start {threads} threads: {error}"))
+    })?;
+    pool.install(command)
 }

@@ -3,15 +3,13 @@
 mod tables;
 mod vtp;
 
+use std::collections::BTreeMap;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::frames::Frame;
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
-
-/// Kinds of files, one of each for every frame.
-pub const KINDS: [&str; 6] = ["bodies", "contacts", "bonds", "walls", "cracks", "membranes"];
 
 /// Writes the frames of a run as VTK files, and a series for ParaView (`.pvd`) for each kind.
 ///
@@ -20,19 +18,16 @@ pub const KINDS: [&str; 6] = ["bodies", "contacts", "bonds", "walls", "cracks", 
 pub fn vtk(frames: &[Frame], folder: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
     let times = times(frames);
-    let mut series = KINDS.map(|_| String::new());
+    let mut series: BTreeMap<&str, String> = BTreeMap::new();
     for (frame, time) in frames.iter().zip(&times) {
-        let all = tables::of(frame);
-        for ((kind, data), series) in KINDS.into_iter().zip(all).zip(&mut series) {
-            let name = file(kind, frame.increment, "vtp");
-            *series += &format!(
-                "<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{}\"/>\n",
-                name.display()
-            );
-            write_atomic(&folder.join(&name), data.encode(*time, frame.cell_m))?;
+        for (kind, data) in tables::of(frame) {
+            let file = format!("{kind}_{:06}.vtp", frame.increment);
+            write_atomic(&folder.join(&file), data.encode(*time, frame.cell_m))?;
+            *series.entry(kind).or_default() +=
+                &format!("<DataSet timestep=\"{time:?}\" part=\"0\" file=\"{file}\"/>\n");
         }
     }
-    for (kind, series) in KINDS.into_iter().zip(series) {
+    for (kind, series) in series {
         let text = format!(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" \
              byte_order=\"LittleEndian\">\n<Collection>\n{series}</Collection>\n</VTKFile>\n"
@@ -49,16 +44,12 @@ pub fn vtk(frames: &[Frame], folder: &Path) -> Result<(), OutputError> {
 pub fn csv(frames: &[Frame], folder: &Path) -> Result<(), OutputError> {
     fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
     for frame in frames {
-        for (kind, data) in KINDS.into_iter().zip(tables::of(frame)) {
-            let path = folder.join(file(kind, frame.increment, "csv"));
-            write_atomic(&path, tables::csv(&data))?;
+        for (kind, data) in tables::of(frame) {
+            let file = format!("{kind}_{:06}.csv", frame.increment);
+            write_atomic(&folder.join(file), tables::csv(&data))?;
         }
     }
     Ok(())
-}
-
-fn file(kind: &str, increment: u64, ending: &str) -> PathBuf {
-    format!("{kind}_{increment:06}.{ending}").into()
 }
 
 /// Times of a series: s, or numbers of increments where time does not pass.

@@ -7,9 +7,16 @@ use clastic_components::cell;
 use super::vtp::{Field, PolyData, Values};
 use crate::frames::{Frame, NONE};
 
-/// Bodies, contacts, bonds, walls, cracks and membranes, in the order of [`super::KINDS`].
-pub fn of(frame: &Frame) -> [PolyData; 6] {
-    [bodies(frame), contacts(frame), bonds(frame), walls(frame), cracks(frame), membranes(frame)]
+/// The kinds of files of a frame.
+pub fn of(frame: &Frame) -> [(&'static str, PolyData); 6] {
+    [
+        ("bodies", bodies(frame)),
+        ("contacts", contacts(frame)),
+        ("bonds", bonds(frame)),
+        ("walls", walls(frame)),
+        ("cracks", cracks(frame)),
+        ("membranes", membranes(frame)),
+    ]
 }
 
 fn bodies(frame: &Frame) -> PolyData {
@@ -195,45 +202,40 @@ fn membranes(frame: &Frame) -> PolyData {
 
 /// The rows as CSV: points by `x_m`, `y_m`, lines by the ends `x1_m`, `y1_m`, `x2_m`, `y2_m`.
 pub fn csv(data: &PolyData) -> String {
-    let are_lines = data.of_points.is_empty();
-    let (mut header, fields) = match are_lines {
-        true => (vec!["x1_m", "y1_m", "x2_m", "y2_m"], &data.of_lines),
-        false => (vec!["x_m", "y_m"], &data.of_points),
+    fn column(name: &str, numbers: impl Iterator<Item = f64>) -> (String, Vec<String>) {
+        (name.to_owned(), numbers.map(|x| format!("{x:?}")).collect())
+    }
+    let point = |name, axis: usize| column(name, data.points.iter().map(|point| point[axis]));
+    let end = |name, end: usize, axis: usize| {
+        column(name, data.lines.iter().map(|ends| data.points[ends[end] as usize][axis]))
     };
-    let places: Vec<Vec<f64>> = match are_lines {
-        true => data
-            .lines
-            .iter()
-            .map(|ends| ends.iter().flat_map(|k| data.points[*k as usize][..2].to_vec()).collect())
-            .collect(),
-        false => data.points.iter().map(|point| point[..2].to_vec()).collect(),
+    let (mut columns, fields) = match data.of_points.is_empty() {
+        true => (
+            vec![end("x1_m", 0, 0), end("y1_m", 0, 1), end("x2_m", 1, 0), end("y2_m", 1, 1)],
+            &data.of_lines,
+        ),
+        false => (vec![point("x_m", 0), point("y_m", 1)], &data.of_points),
     };
-    let mut names: Vec<String> = header.drain(..).map(str::to_owned).collect();
     for (name, values) in fields {
         match values {
-            Values::Vectors(_) => {
+            Values::Scalars(v) => columns.push(column(name, v.iter().copied())),
+            Values::Counts(v) => {
+                columns.push(((*name).to_owned(), v.iter().map(i64::to_string).collect()));
+            }
+            Values::Vectors(v) => {
                 // The unit stays at the end.
                 let (stem, unit) = name.split_once('_').unwrap_or((name, ""));
-                names.extend(["x", "y"].map(|axis| format!("{stem}_{axis}_{unit}")));
-            }
-            _ => names.push((*name).to_owned()),
-        }
-    }
-    let mut text = names.join(",") + "\n";
-    for (row, place) in places.iter().enumerate() {
-        let mut fields_of: Vec<String> = place.iter().map(|x| format!("{x:?}")).collect();
-        for (_, values) in fields {
-            match values {
-                Values::Scalars(v) => fields_of.push(format!("{:?}", v[row])),
-                Values::Counts(v) => fields_of.push(v[row].to_string()),
-                Values::Vectors(v) => {
-                    fields_of.extend(v[row][..2].iter().map(|x| format!("{x:?}")));
+                for (k, axis) in ["x", "y"].into_iter().enumerate() {
+                    columns.push(column(&format!("{stem}_{axis}_{unit}"), v.iter().map(|v| v[k])));
                 }
             }
         }
-        text += &(fields_of.join(",") + "\n");
     }
-    text
+    let line = |of: &dyn Fn(&'_ (String, Vec<String>)) -> String| {
+        columns.iter().map(of).collect::<Vec<_>>().join(",") + "\n"
+    };
+    let rows = (0..columns[0].1.len()).map(|k| line(&|(_, values)| values[k].clone()));
+    line(&|(name, _)| name.clone()) + &rows.collect::<String>()
 }
 
 #[cfg(test)]
@@ -291,7 +293,8 @@ mod tests {
 
     #[test]
     fn every_kind_has_its_rows() {
-        let [bodies, contacts, bonds, walls, cracks, membranes] = of(&row_of_three());
+        let of_kind = of(&row_of_three()).map(|(_, data)| data);
+        let [bodies, contacts, bonds, walls, cracks, membranes] = of_kind;
         let lines = [&contacts, &bonds, &walls, &cracks, &membranes].map(|data| data.lines.len());
         assert_eq!((bodies.points.len(), lines), (3, [2, 3, 1, 2, 1]));
         assert_eq!(membranes.points, [[0.0, 1.0, 0.0], [2.0, 1.0, 0.0]]);

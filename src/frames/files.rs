@@ -5,41 +5,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::Frame;
+use crate::output::OutputError;
+use crate::output::directory::{FRAME_END, FRAME_PEAK, FRAME_START, FRAMES};
 use crate::tables::{TableError, Tables};
-
-/// Directory of the frames in a run directory.
-const DIRECTORY: &str = "frames";
-
-/// Why a frame cannot be read or written. The message of [`Frame::read`] and [`list`] names the
-/// file.
-#[derive(Debug, thiserror::Error)]
-pub enum FrameError {
-    /// The file or one of its arrays is wrong.
-    #[error(transparent)]
-    Table(#[from] TableError),
-    /// The arrays hold another kind of data.
-    #[error("not a frame; give a `.npz` file of the folder `frames` of a run")]
-    Foreign,
-    /// The file is of another version of the format.
-    #[error("a frame of format {0}, which this clastic does not read; run the scene again")]
-    Version(String),
-    /// What is wrong with a file.
-    #[error("{}: {source}", path.display())]
-    In {
-        /// The file.
-        path: PathBuf,
-        /// What is wrong.
-        source: Box<FrameError>,
-    },
-    /// A file or directory cannot be read.
-    #[error("{}: {source}", path.display())]
-    Io {
-        /// The file or directory.
-        path: PathBuf,
-        /// Error of the system.
-        source: io::Error,
-    },
-}
 
 impl Frame {
     /// Content of the file of a frame.
@@ -54,18 +22,17 @@ impl Frame {
     ///
     /// # Errors
     /// If it is no frame, or damaged.
-    pub fn decode(bytes: &[u8]) -> Result<Self, FrameError> {
+    pub fn decode(bytes: &[u8]) -> Result<Self, TableError> {
         Self::from_tables(&Tables::decode(bytes)?)
     }
 
     /// Reads a frame.
     ///
     /// # Errors
-    /// If the file cannot be read, or is no frame. The message names the file.
-    pub fn read(path: &Path) -> Result<Self, FrameError> {
-        let io = |source| FrameError::Io { path: path.to_owned(), source };
-        let within = |source| FrameError::In { path: path.to_owned(), source: Box::new(source) };
-        Self::decode(&fs::read(path).map_err(io)?).map_err(within)
+    /// If the file cannot be read, or is no frame.
+    pub fn read(path: &Path) -> Result<Self, OutputError> {
+        let bytes = fs::read(path).map_err(OutputError::at(path))?;
+        Self::decode(&bytes).map_err(OutputError::at(path))
     }
 }
 
@@ -74,20 +41,19 @@ impl Frame {
 ///
 /// # Errors
 /// If the directory cannot be read.
-pub fn list(run: &Path) -> Result<Vec<PathBuf>, FrameError> {
-    let directory = run.join(DIRECTORY);
-    let failed = |source| FrameError::Io { path: directory.clone(), source };
+pub fn list(run: &Path) -> Result<Vec<PathBuf>, OutputError> {
+    let directory = run.join(FRAMES);
     let mut found: Vec<(u8, PathBuf)> = Vec::new();
     let entries = match fs::read_dir(&directory) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries.map_err(failed)?,
+        entries => entries.map_err(OutputError::at(&directory))?,
     };
     for entry in entries {
-        let path = entry.map_err(failed)?.path();
+        let path = entry.map_err(OutputError::at(&directory))?.path();
         let order = match path.file_name().and_then(|name| name.to_str()).unwrap_or_default() {
-            "start.npz" => 0,
-            "peak.npz" => 2,
-            "end.npz" => 3,
+            FRAME_START => 0,
+            FRAME_PEAK => 2,
+            FRAME_END => 3,
             name if name.starts_with("frame_") && name.ends_with(".npz") => 1,
             _ => continue,
         };
@@ -104,7 +70,7 @@ pub fn list(run: &Path) -> Result<Vec<PathBuf>, FrameError> {
 ///
 /// # Errors
 /// If a frame cannot be read.
-pub fn series(run: &Path) -> Result<Vec<Frame>, FrameError> {
+pub fn series(run: &Path) -> Result<Vec<Frame>, OutputError> {
     let frames: Result<Vec<_>, _> = list(run)?.iter().map(|path| Frame::read(path)).collect();
     let mut frames = frames?;
     frames.sort_by_key(|frame| frame.increment);

@@ -25,7 +25,7 @@ mod take;
 #[cfg(test)]
 mod tests;
 
-pub use files::{FrameError, list, series};
+pub use files::{list, series};
 pub use strains::{Disk, Strain, strains};
 pub use take::FrameTables;
 

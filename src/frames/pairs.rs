@@ -1,7 +1,7 @@
 //! Contacts and bonds of a frame.
 
 use clastic_components::body::BodyId;
-use clastic_components::bond::{BondState, RuptureMode};
+use clastic_components::bond::BondState;
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, KeptRows};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
@@ -18,13 +18,12 @@ pub(super) struct Pair {
     pub contact: Contact,
 }
 
-/// The code of a bond's state.
+/// The code of a bond's state, an index into [`STATES`](super::STATES). Modes are declared in the same
+/// order.
 pub(crate) fn code(state: BondState) -> u8 {
     match state {
         BondState::Intact => 1,
-        BondState::Broken(RuptureMode::Tension) => 2,
-        BondState::Broken(RuptureMode::Shear) => 3,
-        BondState::Broken(RuptureMode::Rolling) => 4,
+        BondState::Broken(mode) => 2 + mode as u8,
     }
 }
 

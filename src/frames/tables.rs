@@ -1,6 +1,5 @@
 //! A frame as arrays, and back.
 
-use super::files::FrameError;
 use super::{Frame, FrameBodies, FrameMembranes, FramePairs, FrameWalls, NONE, STATES};
 use crate::tables::{Array, Column, TableError, Tables};
 
@@ -60,12 +59,17 @@ impl Frame {
     }
 
     /// The frame of arrays.
-    pub fn from_tables(tables: &Tables) -> Result<Self, FrameError> {
+    pub fn from_tables(tables: &Tables) -> Result<Self, TableError> {
         let format = tables.text("format", &[]).map_or("", |format| format[0].as_str());
         match format.strip_prefix(FORMAT).map(str::trim) {
-            None => return Err(FrameError::Foreign),
+            None => {
+                let what = "not a frame; give a `.npz` file of the folder `frames` of a run";
+                return Err(TableError::Foreign(what.to_owned()));
+            }
             Some(version) if version != VERSION => {
-                return Err(FrameError::Version(version.to_owned()));
+                return Err(TableError::Foreign(format!(
+                    "a frame of format {version}, which this clastic does not read; run the scene again"
+                )));
             }
             Some(_) => {}
         }
@@ -97,32 +101,31 @@ impl Frame {
 
     /// Checks that identities ascend, and that indices are in range.
     fn check(&self) -> Result<(), TableError> {
-        let bad = |name: &str, row: Option<usize>| match row {
-            Some(row) => {
-                Err(TableError::at(name, format!("the value in row {row} is out of range")))
-            }
-            None => Ok(()),
-        };
         let bodies = &self.bodies;
         if let Some(row) = bodies.id.windows(2).position(|pair| pair[0] >= pair[1]) {
             return Err(TableError::at("bodies.id", format!("does not ascend in row {}", row + 1)));
         }
-        let beyond = |index: &u32, end: usize| *index as usize >= end;
-        let material = bodies.material.iter().position(|m| beyond(m, self.materials.len()));
-        bad("bodies.material", material)?;
-        let group = |g: &u32| *g != NONE && beyond(g, self.groups.len());
-        bad("bodies.group", bodies.group.iter().position(group))?;
-        bad("bodies.fragment", bodies.fragment.iter().position(|id| self.row(*id).is_none()))?;
-        let state = self.pairs.state.iter().position(|s| usize::from(*s) >= STATES.len());
-        bad("pairs.state", state)?;
-        bad("pairs.a", self.pairs.a.iter().position(|id| self.row(*id).is_none()))?;
-        let is_body = |id: &u32| self.row(*id).is_some() || self.walls.id.contains(id);
-        bad("pairs.b", self.pairs.b.iter().position(|id| !is_body(id)))?;
-        let membranes = &self.membranes;
-        bad("membranes.body", membranes.body.iter().position(|id| !is_body(id)))?;
+        let (materials, groups) = (self.materials.len(), self.groups.len());
+        let is_group = |g: &u32| *g == NONE || (*g as usize) < groups;
+        let is_particle = |id: &u32| self.row(*id).is_some();
+        let is_body = |id: &u32| is_particle(id) || self.walls.id.contains(id);
+        let (pairs, membranes) = (&self.pairs, &self.membranes);
+        in_range("bodies.material", &bodies.material, |m| (*m as usize) < materials)?;
+        in_range("bodies.group", &bodies.group, is_group)?;
+        in_range("bodies.fragment", &bodies.fragment, is_particle)?;
+        in_range("pairs.state", &pairs.state, |state| usize::from(*state) < STATES.len())?;
+        in_range("pairs.a", &pairs.a, is_particle)?;
+        in_range("pairs.b", &pairs.b, is_body)?;
+        in_range("membranes.body", &membranes.body, is_body)?;
         from_all("walls.first_point", &self.walls.first_point, self.walls.point_m.len())?;
         from_all("membranes.first_point", &membranes.first_point, membranes.point_m.len())
     }
+}
+
+/// Whether all values of a column are as they should be.
+fn in_range<T>(name: &str, of: &[T], is_right: impl Fn(&T) -> bool) -> Result<(), TableError> {
+    let wrong = |row| TableError::at(name, format!("the value in row {row} is out of range"));
+    of.iter().position(|value| !is_right(value)).map_or(Ok(()), |row| Err(wrong(row)))
 }
 
 /// Whether places of first points go from 0 to the number of all points.

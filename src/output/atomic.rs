@@ -1,8 +1,8 @@
 //! Files that are either complete or absent.
 
 use std::ffi::OsString;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::fs::{self, File};
+use std::io;
 use std::path::Path;
 
 use super::OutputError;
@@ -10,11 +10,9 @@ use super::OutputError;
 /// Suffix of an incomplete file.
 pub const PART: &str = ".part";
 
-/// Lets `write` fill a temporary file beside `path` and renames it to `path` when it is complete.
-///
-/// # Errors
-/// If the file cannot be written. A file that was at `path` before is unchanged.
-pub fn atomically(
+/// Lets `write` fill a temporary file beside `path` and renames it to `path` when it is complete. A
+/// file that was at `path` before is unchanged after an error.
+pub(crate) fn atomically(
     path: &Path,
     write: impl FnOnce(&Path) -> io::Result<()>,
 ) -> Result<(), OutputError> {
@@ -29,7 +27,7 @@ pub fn atomically(
     done.map_err(OutputError::at(path))
 }
 
-/// Writes a whole file, see [`atomically`].
+/// Writes a whole file, which is complete or absent.
 ///
 /// # Errors
 /// If the file cannot be written.
@@ -37,20 +35,10 @@ pub fn write_atomic(path: &Path, content: impl AsRef<[u8]>) -> Result<(), Output
     atomically(path, |temporary| fs::write(temporary, content))
 }
 
-/// Writes a whole file so that it survives a crash of the machine, see [`durably`].
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_durable(path: &Path, content: impl AsRef<[u8]>) -> Result<(), OutputError> {
-    durably(path, |file| file.write_all(content.as_ref()))
-}
-
 /// Lets `write` fill a file so that it survives a crash of the machine. Without this, the name may
-/// reach the disk before the content, which leaves an empty file. It takes some milliseconds.
-///
-/// # Errors
-/// If the file cannot be written. A file that was at `path` before is unchanged.
-pub fn durably(
+/// reach the disk before the content, which leaves an empty file. It takes some milliseconds. A file
+/// that was at `path` before is unchanged after an error.
+pub(crate) fn durably(
     path: &Path,
     write: impl FnOnce(&mut File) -> io::Result<()>,
 ) -> Result<(), OutputError> {
@@ -59,14 +47,6 @@ pub fn durably(
         write(&mut file)?;
         file.sync_all()
     })
-}
-
-/// Forces the content of a file to the disk.
-///
-/// # Errors
-/// If the system reports an error.
-pub fn sync(path: &Path) -> io::Result<()> {
-    OpenOptions::new().write(true).open(path)?.sync_all()
 }
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::bond::{Rupture, RuptureMode};
+use clastic_components::bond::Rupture;
 use clastic_components::cell::PeriodicCell;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::EventSearch;
@@ -24,28 +24,44 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
 use clastic_systems::measures::elastic_energy_left;
 
 use super::OutputError;
-use super::csv_file::Row;
+use super::csv_file::{Column, Field, row};
 use super::found::Found;
 use super::run_directory::RunDirectory;
 
+/// An avalanche that has ended, with the axial stress and the elastic energy after it if it ended
+/// with an equilibrium.
+pub(super) struct Ended(pub Avalanche, pub Option<(Option<f64>, f64)>);
+
+impl Ended {
+    /// Writes its row.
+    pub fn write(&self, found: &mut Found, run: &mut RunDirectory) -> Result<(), OutputError> {
+        found.avalanches += 1;
+        found.largest_avalanche = found.largest_avalanche.max(self.0.bonds() as usize);
+        run.tables.avalanches.push(row(&COLUMNS, self))
+    }
+}
+
 /// Columns.
-pub const COLUMNS: [&str; 16] = [
-    "increment",
-    "stage",
-    "axial_strain",
-    "first_bond",
-    "rounds",
-    "broken_tension",
-    "broken_shear",
-    "broken_rolling",
-    "axial_stress_before_pa",
-    "axial_stress_after_pa",
-    "elastic_energy_before_j",
-    "elastic_energy_after_j",
-    "x_m",
-    "y_m",
-    "extent_m",
-    "released_j",
+pub(super) const COLUMNS: [Column<Ended>; 16] = [
+    ("increment", |Ended(of, _)| of.increment.into()),
+    ("stage", |Ended(of, _)| of.stage.as_str().into()),
+    ("axial_strain", |Ended(of, _)| of.strain.into()),
+    ("first_bond", |Ended(of, _)| Field::Count(of.first_bond.into())),
+    ("rounds", |Ended(of, _)| Field::Count(of.rounds.into())),
+    ("broken_tension", |Ended(of, _)| Field::Count(of.broken[0].into())),
+    ("broken_shear", |Ended(of, _)| Field::Count(of.broken[1].into())),
+    ("broken_rolling", |Ended(of, _)| Field::Count(of.broken[2].into())),
+    ("axial_stress_before_pa", |Ended(of, _)| of.stress.into()),
+    ("axial_stress_after_pa", |Ended(_, after)| after.and_then(|(stress, _)| stress).into()),
+    ("elastic_energy_before_j", |Ended(of, _)| of.energy.into()),
+    ("elastic_energy_after_j", |Ended(_, after)| after.map(|(_, energy)| energy).into()),
+    ("x_m", |Ended(of, _)| of.place.x.into()),
+    ("y_m", |Ended(of, _)| of.place.y.into()),
+    ("extent_m", |Ended(of, _)| (of.spread / f64::from(of.bonds())).sqrt().into()),
+    ("released_j", |Ended(of, after)| {
+        let released = of.work.zip(*after).map(|(work, (_, after))| work + of.energy - after);
+        released.into()
+    }),
 ];
 
 /// The current avalanche of a run.
@@ -75,8 +91,7 @@ pub struct Avalanche {
 
 impl Avalanche {
     /// Processes the last increment: begins an avalanche, extends the current one, or ends it.
-    /// Returns the row of an ended avalanche and the number of its bonds.
-    fn follow(open: &mut Option<Self>, now: &Now) -> Option<(Row, usize)> {
+    fn follow(open: &mut Option<Self>, now: &Now) -> Option<Ended> {
         let observation = &*now.observation;
         if !observation.status.is_committed() {
             return None;
@@ -88,10 +103,10 @@ impl Avalanche {
             avalanche.work = avalanche.work.zip(now.work()).map(|(before, more)| before + more);
         }
         let mut ended = if observation.ruptures.is_empty() {
-            open.take().map(|avalanche| avalanche.ended(after))
+            open.take().map(|avalanche| Ended(avalanche, after))
         } else if is_loaded {
             // Loading continued with one round of ruptures.
-            open.take().map(|avalanche| avalanche.ended(None))
+            open.take().map(|avalanche| Ended(avalanche, None))
         } else {
             None
         };
@@ -107,7 +122,7 @@ impl Avalanche {
         // The followed motion has come to rest without the bonds that broke in it.
         let is_settled = is_active && !is_loaded && !now.progress.relaxing;
         if is_settled && let Some(avalanche) = open.take() {
-            ended = Some(avalanche.ended(after));
+            ended = Some(Ended(avalanche, after));
         }
         ended
     }
@@ -136,40 +151,12 @@ impl Avalanche {
 
     /// Adds a broken bond. In a periodic cell its image nearest to the mean so far counts.
     fn add(&mut self, rupture: &Rupture, cell: Option<&PeriodicCell>) {
-        let mode = match rupture.mode {
-            RuptureMode::Tension => 0,
-            RuptureMode::Shear => 1,
-            RuptureMode::Rolling => 2,
-        };
-        self.broken[mode] += 1;
+        self.broken[rupture.mode as usize] += 1;
         let apart = rupture.position - self.place;
         let apart = cell.map_or(apart, |cell| apart + cell.shift(apart));
         let moved = apart / f64::from(self.bonds());
         self.place += moved;
         self.spread += apart.dot(apart - moved);
-    }
-
-    /// Row of the avalanche, and number of its bonds. `after` is the axial stress and the elastic
-    /// energy after it, if it ended with an equilibrium.
-    pub fn ended(self, after: Option<(Option<f64>, f64)>) -> (Row, usize) {
-        let bonds = self.bonds();
-        let mut row = Row::default()
-            .count(self.increment)
-            .text(&self.stage)
-            .optional(self.strain)
-            .count(self.first_bond)
-            .count(self.rounds);
-        for count in self.broken {
-            row = row.count(count);
-        }
-        let stress = after.and_then(|after| after.0);
-        let row = row.optionals([self.stress, stress]);
-        let energy = after.map(|after| after.1);
-        let row = row.optionals([Some(self.energy), energy]);
-        let row = row.numbers(self.place.to_array());
-        let row = row.numbers([(self.spread / f64::from(bonds)).sqrt()]);
-        let released = self.work.zip(energy).map(|(work, after)| work + self.energy - after);
-        (row.optionals([released]), bonds as usize)
     }
 }
 
@@ -211,15 +198,14 @@ pub(super) fn write_ended(
     mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
-    let Some((row, bonds)) = Avalanche::follow(&mut current.0, &now) else { return Ok(()) };
-    found.see_avalanche(bonds);
-    run.tables.avalanches.push(row)
+    let ended = Avalanche::follow(&mut current.0, &now);
+    ended.map_or(Ok(()), |ended| ended.write(&mut found, &mut run))
 }
 
 #[cfg(test)]
 mod tests {
     use clastic_components::body::BodyId;
-    use clastic_components::bond::BondId;
+    use clastic_components::bond::{BondId, RuptureMode};
 
     use super::*;
 

@@ -1,17 +1,15 @@
 //! Begins or continues the output of a run.
 
 use std::fs;
+use std::io::Write as _;
 use std::path::Path;
-use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
-use clastic_systems::gather_bodies::gather_bodies;
-
-use super::atomic::{write_atomic, write_durable};
+use super::atomic::{durably, write_atomic};
 use super::avalanches::{self, CurrentAvalanche};
 use super::checkpoint::{Checkpoint, WHOLE};
-use super::csv_file::CsvFile;
+use super::csv_file::{self, CsvFile};
 use super::found::Found;
 use super::frames::{self, FrameMoments};
 use super::prepared::{Prepared, PreparedSpecimen};
@@ -19,8 +17,7 @@ use super::run_directory::{RunDirectory, RunOptions, Tables};
 use super::run_record::{CLASTIC_VERSION, Resumed, RunFacts, RunRecord};
 use super::save::{is_last_increment, keep_last, save};
 use super::wanted::Wanted;
-use super::{OutputError, ResumeError, directory, events, history, names, states, timings};
-use crate::run::stages::Script;
+use super::{OutputError, directory, events, history, states, timings};
 use crate::scene::LoadedScene;
 use crate::scene::format::Scene;
 
@@ -53,51 +50,34 @@ pub fn begin(
     options: RunOptions,
     loaded: &LoadedScene,
 ) -> Result<(), OutputError> {
-    let reference_stage = Script::new(&loaded.scene).reference_stage();
     // This precedes all removals, because the stored specimen may lie in this directory.
     let facts = RunFacts::new(loaded, &options.overrides)?;
-    let record = RunRecord::new(loaded, &facts, reference_stage);
+    let record = RunRecord::new(loaded, &facts);
     let dir = options.directory.as_path();
     let history_file = directory::claim(dir, options.force)?;
     make_frames(dir, &loaded.scene)?;
-    record.write(&dir.join(names::RUN))?;
-    write_atomic(&dir.join(names::SCENE), &loaded.text)?;
-    let probes = history::probes(&loaded.scene);
-    let tables = Tables {
-        history: CsvFile::begin(
-            dir.join(names::HISTORY),
-            history_file,
-            history::columns(&loaded.scene),
-        )?,
-        events: CsvFile::create(dir.join(names::EVENTS), events::COLUMNS)?,
-        avalanches: CsvFile::create(dir.join(names::AVALANCHES), avalanches::COLUMNS)?,
-        timings: CsvFile::create(dir.join(names::TIMINGS), timings::COLUMNS)?,
+    record.write(&dir.join(directory::RUN))?;
+    write_atomic(&dir.join(directory::SCENE), &loaded.text)?;
+    let create = |name: &str, columns: &mut dyn Iterator<Item = &str>| {
+        CsvFile::create(dir.join(name), columns)
     };
-    let fresh = vec![dir.join(names::SCENE)];
-    // A world without increments has no tables yet. Gathering them does not change the run.
-    let _ = world.run_system_cached(gather_bodies);
+    let columns = history::columns(&loaded.scene);
+    let tables = Tables {
+        history: CsvFile::begin(dir.join(directory::HISTORY), history_file, columns)?,
+        events: create(directory::EVENTS, &mut csv_file::names(&events::COLUMNS))?,
+        avalanches: create(directory::AVALANCHES, &mut csv_file::names(&avalanches::COLUMNS))?,
+        timings: create(directory::TIMINGS, &mut timings::COLUMNS.into_iter())?,
+    };
+    let fresh = vec![dir.join(directory::SCENE)];
+    FrameMoments::begin(world, false);
     let prepared = Prepared::take(world);
-    let frames = FrameMoments::take(world, false);
-    world.insert_resource(frames);
     world.insert_resource(PreparedSpecimen { waiting: Some(prepared), written: None });
     world.insert_resource(CurrentAvalanche::default());
     world.insert_resource(Found::default());
+    world.init_resource::<Wanted>();
     let saves = options.checkpoint_every > 0;
-    insert(
-        world,
-        RunDirectory {
-            options,
-            scene_text: loaded.text.clone(),
-            facts,
-            record,
-            probes,
-            tables,
-            fresh,
-            saved: None,
-            saving: 0.0,
-            clock: Instant::now(),
-        },
-    );
+    let run = RunDirectory::new(options, loaded, facts, record, tables);
+    world.insert_resource(RunDirectory { fresh, ..run });
     if saves {
         save(world)?;
     }
@@ -117,7 +97,7 @@ pub fn resume(
     loaded: &LoadedScene,
     settings: &[String],
     every: Option<u32>,
-) -> Result<(), ResumeError> {
+) -> Result<(), OutputError> {
     let increment = checkpoint.increment;
     let [history, events, avalanches, timings] = checkpoint.lengths;
     let open = |name: &str, length| {
@@ -125,23 +105,24 @@ pub fn resume(
         let whole = || fs::metadata(&path).map_or(0, |file| file.len());
         CsvFile::open(path.clone(), if length == WHOLE { whole() } else { length })
     };
-    let history = open(names::HISTORY, history)?;
-    if !history.lock() {
-        return Err(OutputError::InUse(directory.to_owned()).into());
+    let history = open(directory::HISTORY, history)?;
+    if !directory::lock(&history.file) {
+        return Err(OutputError::InUse(directory.to_owned()));
     }
     let mut tables = Tables {
         history,
-        events: open(names::EVENTS, events)?,
-        avalanches: open(names::AVALANCHES, avalanches)?,
-        timings: open(names::TIMINGS, timings)?,
+        events: open(directory::EVENTS, events)?,
+        avalanches: open(directory::AVALANCHES, avalanches)?,
+        timings: open(directory::TIMINGS, timings)?,
     };
 
     // Every step from here on can be repeated, so a process that is killed between two of them
     // can resume again.
-    let scene_file = directory.join(names::SCENE);
-    write_durable(&scene_file, &checkpoint.scene)?;
+    let scene_file = directory.join(directory::SCENE);
+    let write_scene = |text: &str| durably(&scene_file, |file| file.write_all(text.as_bytes()));
+    write_scene(&checkpoint.scene)?;
     let mut next = checkpoint;
-    next.every = every.unwrap_or(next.every);
+    next.options.checkpoint_every = every.unwrap_or(next.options.checkpoint_every);
     let is_changed = !settings.is_empty() || next.scene != loaded.text;
     if is_changed || next.clastic_version != CLASTIC_VERSION {
         next.clastic_version = CLASTIC_VERSION.to_owned();
@@ -151,8 +132,8 @@ pub fn resume(
             settings: settings.to_vec(),
         });
         next.scene_before = Some(std::mem::replace(&mut next.scene, loaded.text.clone()));
-        next.write(directory)?;
-        write_durable(&scene_file, &next.scene)?;
+        next.write(directory, directory::CHECKPOINT)?;
+        write_scene(&next.scene)?;
     }
     let kept = states::kept_before(&loaded.scene, &next.world);
     let mut there = whole_files(world);
@@ -161,37 +142,17 @@ pub fn resume(
     there.extend(frames::kept(directory, increment, has_begun));
     directory::rewind(directory, increment, &there)?;
     make_frames(directory, &loaded.scene)?;
-    let reference_stage = Script::new(&loaded.scene).reference_stage();
-    let mut record = RunRecord::new(loaded, &next.facts, reference_stage);
-    record.write(&directory.join(names::RUN))?;
+    let mut record = RunRecord::new(loaded, &next.facts);
+    record.write(&directory.join(directory::RUN))?;
     record.increments = states::increments(&next.world);
-    tables.cut()?;
-    let _ = world.run_system_cached(gather_bodies);
-    let frames = FrameMoments::take(world, has_begun);
-    world.insert_resource(frames);
-    let options = RunOptions {
-        directory: directory.to_owned(),
-        force: false,
-        overrides: Vec::new(),
-        dump_programs: next.dump_programs,
-        dump_in_stages: next.dump_in_stages,
-        checkpoint_every: next.every,
-    };
-    insert(
-        world,
-        RunDirectory {
-            options,
-            scene_text: next.scene,
-            facts: next.facts,
-            record,
-            probes: history::probes(&loaded.scene),
-            tables,
-            fresh: Vec::new(),
-            saved: Some(increment),
-            saving: 0.0,
-            clock: Instant::now(),
-        },
-    );
+    for table in tables.all() {
+        table.cut()?;
+    }
+    FrameMoments::begin(world, has_begun);
+    world.init_resource::<Wanted>();
+    let options = RunOptions { directory: directory.to_owned(), ..next.options };
+    let run = RunDirectory::new(options, loaded, next.facts, record, tables);
+    world.insert_resource(RunDirectory { saved: Some(increment), ..run });
     // A run that was interrupted after its last increment has no other.
     if world.run_system_cached(is_last_increment).unwrap_or(false) {
         keep_last(world)?;
@@ -199,26 +160,21 @@ pub fn resume(
     Ok(())
 }
 
-fn insert(world: &mut World, run: RunDirectory) {
-    world.insert_resource(run);
-    world.init_resource::<Wanted>();
-}
-
 /// Existing files that are written once and not rewritten at the end of the run.
 fn whole_files<'a>(world: &World) -> Vec<&'a str> {
     let mut files = Vec::new();
     if world.resource::<PreparedSpecimen>().written.is_some() {
-        files.push(names::SPECIMEN);
+        files.push(directory::SPECIMEN);
     }
-    if world.resource::<Found>().has_mechanism() {
-        files.push(names::MECHANISM);
+    if world.resource::<Found>().mechanism.is_some() {
+        files.push(directory::MECHANISM);
     }
     files
 }
 
 fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {
     if scene.asks_for_frames() || frames::ARE_ARRAYS {
-        let path = directory.join(names::FRAMES);
+        let path = directory.join(directory::FRAMES);
         fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
     }
     Ok(())

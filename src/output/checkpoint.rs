@@ -11,12 +11,13 @@ use std::io::{self, BufWriter, Seek, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
 
 use super::atomic::durably;
 use super::directory;
-use super::error::{OutputError, ResumeError};
-use super::hashing_writer::HashingWriter;
-use super::run_record::{RunFacts, sha256};
+use super::error::OutputError;
+use super::run_directory::RunOptions;
+use super::run_record::{RunFacts, hexadecimal, sha256};
 use crate::run::WorldState;
 
 /// Version of the format. It increases when the stored types have changed since a release. These are
@@ -45,12 +46,8 @@ pub struct Checkpoint {
     pub scene_before: Option<String>,
     /// Content of `run.json` apart from settings and results.
     pub facts: RunFacts,
-    /// Number of increments between checkpoints; 0 writes none.
-    pub every: u32,
-    /// Increments of the run whose cone program is dumped.
-    pub dump_programs: Vec<u64>,
-    /// Increments of stages, by name, whose cone program is dumped.
-    pub dump_in_stages: Vec<(String, u64)>,
+    /// Options of the output: checkpoints and dumps.
+    pub options: RunOptions,
     /// Lengths of the history, the events, the avalanches and the timings, bytes.
     pub lengths: [u64; 4],
     /// State of the simulation and of its output.
@@ -61,27 +58,18 @@ impl Checkpoint {
     /// The checkpoint of a run that has ended. It has the same bytes in every run.
     #[must_use]
     pub fn of_the_end(mut self) -> Self {
-        self.every = 0;
+        self.options.checkpoint_every = 0;
         // The length of the timings is another in every run.
         self.lengths[3] = WHOLE;
         self
-    }
-
-    /// Writes the checkpoint of a run directory.
-    ///
-    /// # Errors
-    /// If the file cannot be written. The previous checkpoint is then unchanged.
-    pub fn write(&self, directory: &Path) -> Result<(), OutputError> {
-        self.write_as(directory, directory::CHECKPOINT)
     }
 
     /// Writes the checkpoint to the file `name` of a run directory.
     ///
     /// # Errors
     /// If the file cannot be written. The file that was there is then unchanged.
-    pub fn write_as(&self, directory: &Path, name: &str) -> Result<(), OutputError> {
-        let path = directory.join(name);
-        durably(&path, |file| self.write_to(file))
+    pub fn write(&self, directory: &Path, name: &str) -> Result<(), OutputError> {
+        durably(&directory.join(name), |file| self.write_to(file))
     }
 
     /// Writes the content as it is encoded, so that it is in memory once only. Its hash is known at
@@ -102,8 +90,8 @@ impl Checkpoint {
     /// scene of the directory.
     ///
     /// # Errors
-    /// See [`ResumeError`].
-    pub fn read(directory: &Path) -> Result<Self, ResumeError> {
+    /// If it is not so, or if there is none.
+    pub fn read(directory: &Path) -> Result<Self, OutputError> {
         Self::read_as(directory, directory::CHECKPOINT)
     }
 
@@ -111,30 +99,33 @@ impl Checkpoint {
     /// [`directory::FINAL_CHECKPOINT`] of a run that has ended.
     ///
     /// # Errors
-    /// See [`ResumeError`].
-    pub fn read_as(directory: &Path, name: &str) -> Result<Self, ResumeError> {
+    /// As of [`read`](Self::read).
+    pub fn read_as(directory: &Path, name: &str) -> Result<Self, OutputError> {
         let path = directory.join(name);
         let bytes = match fs::read(&path) {
-            Ok(bytes) => bytes,
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 directory::record(directory)?;
-                return Err(ResumeError::NoCheckpoint(directory.to_owned()));
+                return Err(OutputError::NoCheckpoint(directory.to_owned()));
             }
-            Err(error) => return Err(OutputError::at(&path)(error).into()),
+            bytes => bytes.map_err(OutputError::at(&path))?,
         };
-        let checkpoint = Self::decode(&bytes, &path)?;
+        let checkpoint = Self::decode(&bytes).map_err(OutputError::at(&path))?;
         let scene = directory.join(directory::SCENE);
         let text = fs::read_to_string(&scene).map_err(OutputError::at(&scene))?;
         if text != checkpoint.scene && Some(&text) != checkpoint.scene_before.as_ref() {
-            let expected = sha256(checkpoint.scene.as_bytes());
-            return Err(ResumeError::OtherScene { path, expected });
+            return Err(OutputError::at(&path)(format!(
+                "a checkpoint of another scene than {} beside it; put back the one that was run \
+                 (sha256 {}), and change settings with --set",
+                directory::SCENE,
+                sha256(checkpoint.scene.as_bytes())
+            )));
         }
         Ok(checkpoint)
     }
 
-    fn decode(bytes: &[u8], path: &Path) -> Result<Self, ResumeError> {
-        let damaged =
-            |what: &str| ResumeError::Damaged { path: path.to_owned(), what: what.to_owned() };
+    /// The checkpoint of the content of a file, or what is wrong with it.
+    fn decode(bytes: &[u8]) -> Result<Self, String> {
+        let damaged = |what: &str| format!("damaged ({what}); run the scene again, with --force");
         let end = bytes.iter().position(|b| *b == b'\n').ok_or_else(|| damaged("cut short"))?;
         let line = std::str::from_utf8(&bytes[..end]).ok();
         let rest = line.and_then(|line| line.strip_prefix(MAGIC));
@@ -142,11 +133,10 @@ impl Checkpoint {
             .and_then(|rest| rest.split_once(", sha256 "))
             .ok_or_else(|| damaged("its first line does not belong to a checkpoint"))?;
         if version != VERSION.to_string() {
-            return Err(ResumeError::Version {
-                path: path.to_owned(),
-                found: version.to_owned(),
-                ours: VERSION,
-            });
+            return Err(format!(
+                "a checkpoint of format {version}, and this clastic reads format {VERSION}; resume it \
+                 with the clastic that wrote it, or run the scene again, with --force"
+            ));
         }
         let content = &bytes[end + 1..];
         if sha256(content) != hash {
@@ -157,6 +147,50 @@ impl Checkpoint {
             Ok(_) => Err(damaged("further bytes follow its end")),
             Err(error) => Err(damaged(&error.to_string())),
         }
+    }
+}
+
+/// Hashes bytes and writes them to the writer behind it. It keeps the first error of that writer,
+/// since an encoder reports another one in its place.
+struct HashingWriter<W> {
+    inner: W,
+    hash: Sha256,
+    error: Option<io::Error>,
+}
+
+impl<W: Write> HashingWriter<W> {
+    fn new(inner: W) -> Self {
+        Self { inner, hash: Sha256::new(), error: None }
+    }
+
+    /// The SHA-256 hash of the content, in hexadecimal digits.
+    fn finish(self) -> io::Result<String> {
+        match self.error {
+            Some(error) => Err(error),
+            None => Ok(hexadecimal(&self.hash.finalize())),
+        }
+    }
+
+    fn keep(&mut self, done: io::Result<()>) -> io::Result<()> {
+        done.map_err(|error| {
+            let kind = error.kind();
+            self.error.get_or_insert(error);
+            kind.into()
+        })
+    }
+}
+
+impl<W: Write> Write for HashingWriter<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let done = self.inner.write_all(bytes);
+        self.keep(done)?;
+        self.hash.update(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let done = self.inner.flush();
+        self.keep(done)
     }
 }
 
@@ -202,9 +236,11 @@ mod tests {
                 overrides: Vec::new(),
                 resumed: Vec::new(),
             },
-            every: 1,
-            dump_programs: vec![7],
-            dump_in_stages: Vec::new(),
+            options: RunOptions {
+                checkpoint_every: 1,
+                dump_programs: vec![7],
+                ..Default::default()
+            },
             lengths: [1, 2, 3, WHOLE],
             world,
         }
@@ -219,7 +255,7 @@ mod tests {
         let mut expected = format!("{MAGIC}{VERSION}, sha256 {}\n", sha256(&content)).into_bytes();
         expected.extend(content);
         assert!(file.into_inner() == expected);
-        assert_eq!(Checkpoint::decode(&expected, "c".as_ref()).unwrap(), checkpoint);
+        assert_eq!(Checkpoint::decode(&expected).unwrap(), checkpoint);
     }
 
     #[test]

@@ -6,7 +6,41 @@ use std::path::{Path, PathBuf};
 
 use super::OutputError;
 use super::atomic::PART;
-pub use super::names::*;
+
+/// Version, scene and its hash, settings, outcome, key results, conventions.
+pub const RUN: &str = "run.json";
+/// The scene as run, overrides applied.
+pub const SCENE: &str = "scene.ron";
+/// One row per increment.
+pub const HISTORY: &str = "history.csv";
+/// One row per rupture.
+pub const EVENTS: &str = "events.csv";
+/// One row per avalanche.
+pub const AVALANCHES: &str = "avalanches.csv";
+/// Wall-clock times; all other files have equal bytes in every run.
+pub const TIMINGS: &str = "timings.csv";
+/// The prepared specimen, in the format of stored specimens.
+pub const SPECIMEN: &str = "specimen.csv";
+/// All particles at the end, in the format of stored specimens.
+pub const FINAL_PARTICLES: &str = "final_particles.csv";
+/// The state at the end.
+pub const FINAL_STATE: &str = "final_state.npz";
+/// The mechanism of the first collapse.
+pub const MECHANISM: &str = "mechanism.csv";
+/// The state between two increments, if requested or if a run stops early.
+pub const CHECKPOINT: &str = "checkpoint.bin";
+/// The state of a run that has ended, from which more stages or increments continue.
+pub const FINAL_CHECKPOINT: &str = "final_checkpoint.bin";
+/// Curves, animation and key results as a page, written at the end.
+pub const REPORT: &str = "report.html";
+/// Directory of the frames.
+pub const FRAMES: &str = "frames";
+/// Frame before the first increment of the reference stage.
+pub const FRAME_START: &str = "start.npz";
+/// Frame at the peak.
+pub const FRAME_PEAK: &str = "peak.npz";
+/// Frame at the end.
+pub const FRAME_END: &str = "end.npz";
 
 /// Files of the end of a run.
 const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];
@@ -20,12 +54,6 @@ pub fn default_directory(scene: &Path) -> PathBuf {
     Path::new("runs").join(scene.file_stem().unwrap_or("scene".as_ref()))
 }
 
-/// Path of a frame.
-#[must_use]
-pub fn frame(directory: &Path, increment: u64) -> PathBuf {
-    directory.join(FRAMES).join(format!("frame_{increment:06}.csv"))
-}
-
 /// Path of a dumped program.
 #[must_use]
 pub fn program(directory: &Path, increment: u64) -> PathBuf {
@@ -33,7 +61,7 @@ pub fn program(directory: &Path, increment: u64) -> PathBuf {
 }
 
 /// Prepares `directory` for a run. It must be empty or absent unless `force` is given. `force`
-/// removes the files of an earlier run and nothing else. Returns the history, open and locked.
+/// removes the files of an earlier run and nothing else. Returns the history, open, locked and empty.
 /// While it is open, no other run can claim the directory.
 ///
 /// # Errors
@@ -50,9 +78,7 @@ pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     }
     // The file that carries the lock is neither removed nor replaced, because two runs that begin
     // simultaneously must lock one file.
-    let mut open = OpenOptions::new();
-    let open = open.read(true).write(true).create(true).truncate(false);
-    let history = open.open(&path).map_err(OutputError::at(&path))?;
+    let history = open_lock(&path)?;
     if !lock(&history) {
         return Err(OutputError::InUse(directory.to_owned()));
     }
@@ -62,7 +88,15 @@ pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
         remove(&directory.join(name))?;
     }
     remove_frames(directory, |_| true, &OF_MOMENTS)?;
+    history.set_len(0).map_err(OutputError::at(&path))?;
     Ok(history)
+}
+
+/// Opens a file that carries a lock. It is made if it is not there, and keeps its content.
+pub(crate) fn open_lock(path: &Path) -> Result<File, OutputError> {
+    let mut open = OpenOptions::new();
+    let file = open.read(true).write(true).create(true).truncate(false).open(path);
+    file.map_err(OutputError::at(path))
 }
 
 /// Locks a file while it is open. Returns whether it was unlocked.
@@ -76,10 +110,7 @@ pub fn lock(file: &File) -> bool {
 /// end, later frames and programs, and incomplete files. It also removes the prepared specimen and
 /// the mechanism of a collapse, unless they are among the files `there`, which existed at that
 /// increment.
-///
-/// # Errors
-/// If a file cannot be removed.
-pub fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
+pub(super) fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
     for name in entries(directory)? {
         let of_the_end = !there.contains(&&*name)
             && (OF_THE_END.contains(&&*name)
@@ -148,10 +179,7 @@ pub fn record(directory: &Path) -> Result<serde_json::Value, OutputError> {
 }
 
 /// Removes a file if it exists.
-///
-/// # Errors
-/// If the file exists and cannot be removed.
-pub fn remove_if_there(path: &Path) -> Result<(), OutputError> {
+pub(crate) fn remove_if_there(path: &Path) -> Result<(), OutputError> {
     match fs::remove_file(path) {
         Err(error) if error.kind() != io::ErrorKind::NotFound => Err(OutputError::at(path)(error)),
         _ => Ok(()),
@@ -189,7 +217,12 @@ mod tests {
         drop(claim(&dir, false)?);
         assert!(claim(&dir, false).is_err_and(|e| e.to_string().contains("--force")));
         fs::create_dir(dir.join(FRAMES))?;
-        for path in [dir.join(RUN), dir.join("notes.txt"), frame(&dir, 7), program(&dir, 1)] {
+        for path in [
+            dir.join(RUN),
+            dir.join("notes.txt"),
+            dir.join(FRAMES).join("frame_000007.csv"),
+            program(&dir, 1),
+        ] {
             fs::write(path, "")?;
         }
         let refused = claim(&dir, false);

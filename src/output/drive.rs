@@ -5,11 +5,11 @@ use serde::Serialize;
 
 use super::read_history::{History, TestPoint};
 
-/// Columns of motion and of force, and the name of the axis.
-const AXES: [(&str, &str, &str); 3] = [
-    (".x_m", ".force_x_n", "x"),
-    (".y_m", ".force_y_n", "y"),
-    (".rotation_rad", ".moment_nm", "rotation"),
+/// Columns of motion and of force, and the two directions.
+const AXES: [(&str, &str, [&str; 2]); 3] = [
+    (".x_m", ".force_x_n", ["+x", "-x"]),
+    (".y_m", ".force_y_n", ["+y", "-y"]),
+    (".rotation_rad", ".moment_nm", ["anticlockwise", "clockwise"]),
 ];
 /// Part of the maximum work that a probe must do to count.
 const IDLE: f64 = 1e-6;
@@ -32,7 +32,7 @@ impl Drive {
     #[must_use]
     pub fn all(history: &History) -> Vec<Self> {
         let probes = history.probes();
-        let along = |(motion, force, _): (&str, &str, &str), probe: &str| {
+        let along = |(motion, force, _): (&str, &str, _), probe: &str| {
             history.of_test(probe, [motion, force])
         };
         let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
@@ -58,7 +58,7 @@ impl Drive {
         drives.iter().reduce(|a, b| if of(b) > of(a) { b } else { a })
     }
 
-    fn along(probe: &str, axis: &str, mut points: Vec<TestPoint>) -> Self {
+    fn along(probe: &str, directions: [&'static str; 2], mut points: Vec<TestPoint>) -> Self {
         let farthest = points
             .iter()
             .map(|p| p.motion)
@@ -69,14 +69,7 @@ impl Drive {
                 (point.motion, point.force) = (0.0 - point.motion, 0.0 - point.force);
             }
         }
-        let direction = match (axis, is_back) {
-            ("x", false) => "+x",
-            ("x", true) => "-x",
-            ("y", false) => "+y",
-            ("y", true) => "-y",
-            (_, false) => "anticlockwise",
-            (_, true) => "clockwise",
-        };
+        let direction = directions[usize::from(is_back)];
         Self { probe: probe.to_owned(), direction, points }
     }
 
@@ -103,18 +96,30 @@ pub struct PeakForce {
     pub direction: &'static str,
     /// Increment of the peak.
     pub increment: u64,
-    /// Force of the outside world in this direction, N.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force_n: Option<f64>,
-    /// Displacement in this direction since the start of the reference stage, m.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub displacement_m: Option<f64>,
-    /// Moment, N m, of a probe that turns.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub moment_nm: Option<f64>,
-    /// Its rotation, rad.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rotation_rad: Option<f64>,
+    /// Force and displacement there, or moment and rotation of a probe that turns.
+    #[serde(flatten)]
+    pub at: Peak,
+}
+
+/// Force of the outside world and displacement since the start of the reference stage, both in the
+/// direction of the motion.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(untagged)]
+pub enum Peak {
+    /// Of a probe that moves.
+    Moves {
+        /// Force, N.
+        force_n: f64,
+        /// Displacement, m.
+        displacement_m: f64,
+    },
+    /// Of a probe that turns.
+    Turns {
+        /// Moment, N m.
+        moment_nm: f64,
+        /// Rotation, rad.
+        rotation_rad: f64,
+    },
 }
 
 impl PeakForce {
@@ -126,26 +131,23 @@ impl PeakForce {
         let turns = drive.turns();
         let peak = drive.peak().filter(|peak| peak.force > least[usize::from(turns)])?;
         let TestPoint { increment, motion, force } = peak;
-        let [straight, turned] =
-            [!turns, turns].map(|is| (Some(force).filter(|_| is), Some(motion).filter(|_| is)));
-        Some(Self {
-            probe: drive.probe,
-            direction: drive.direction,
-            increment,
-            force_n: straight.0,
-            displacement_m: straight.1,
-            moment_nm: turned.0,
-            rotation_rad: turned.1,
-        })
+        let at = match turns {
+            false => Peak::Moves { force_n: force, displacement_m: motion },
+            true => Peak::Turns { moment_nm: force, rotation_rad: motion },
+        };
+        Some(Self { probe: drive.probe, direction: drive.direction, increment, at })
     }
 
     /// The peak in a line.
     #[must_use]
     pub fn line(&self) -> String {
-        let of = match (self.force_n, self.displacement_m, self.moment_nm, self.rotation_rad) {
-            (Some(f), Some(u), ..) => format!("force {f:.4e} N at a displacement of {u:.4e} m"),
-            (.., Some(m), Some(t)) => format!("moment {m:.4e} N m at a rotation of {t:.4e} rad"),
-            _ => String::new(),
+        let of = match self.at {
+            Peak::Moves { force_n, displacement_m } => {
+                format!("force {force_n:.4e} N at a displacement of {displacement_m:.4e} m")
+            }
+            Peak::Turns { moment_nm, rotation_rad } => {
+                format!("moment {moment_nm:.4e} N m at a rotation of {rotation_rad:.4e} rad")
+            }
         };
         format!("peak {of} ({}, {})", self.probe, self.direction)
     }
@@ -197,7 +199,11 @@ mod tests {
         let rows = "increment,stage,a.x_m,a.y_m,a.force_x_n,a.force_y_n\n\
                     1,push,0,-1,0,-9.9e-14\n2,push,0,-2,0,-1e-14\n";
         let history = history(rows)?;
-        let peak = |least| PeakForce::of(&history, [least, 0.0]).and_then(|peak| peak.force_n);
+        let force = |peak: PeakForce| match peak.at {
+            Peak::Moves { force_n, .. } => Some(force_n),
+            Peak::Turns { .. } => None,
+        };
+        let peak = |least| PeakForce::of(&history, [least, 0.0]).and_then(force);
         assert_eq!((peak(0.0), peak(1e-9)), (Some(9.9e-14), None));
         Ok(())
     }

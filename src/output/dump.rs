@@ -1,11 +1,9 @@
 //! `program_000123.json`: the cone program of an increment and its solution.
 
-use std::path::Path;
-
 use bevy_ecs::prelude::*;
 
 use clastic_components::observation::Observation;
-use clastic_cone::dump::{Dump, from_json, to_json};
+use clastic_cone::dump::to_json;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::atomic::write_atomic;
@@ -20,7 +18,10 @@ pub(super) fn write_if_asked(
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let in_stage = script.ends.last().map_or(0, |end| end.rows);
-    if !run.is_dumped(&observation, in_stage) {
+    let of_stage = |(stage, n): &(String, u64)| *stage == observation.stage && *n == in_stage;
+    if !run.options.dump_programs.contains(&observation.increment)
+        && !run.options.dump_in_stages.iter().any(of_stage)
+    {
         return Ok(());
     }
     let path = directory::program(run.directory(), observation.increment);
@@ -34,10 +35,4 @@ pub(super) fn write_if_asked(
     write_atomic(&path, text.map_err(OutputError::at(&path))?)?;
     run.is_fresh(path);
     Ok(())
-}
-
-/// Reads a dumped program.
-pub fn read_program(path: &Path) -> Result<Dump, OutputError> {
-    let text = std::fs::read_to_string(path).map_err(OutputError::at(path))?;
-    from_json(&text).map_err(|error| OutputError::at(path)(std::io::Error::other(error)))
 }

@@ -9,39 +9,25 @@ use clastic_components::bond::Rupture;
 use clastic_components::observation::Observation;
 
 use super::OutputError;
-use super::csv_file::Row;
+use super::csv_file::{Column, Field, row};
 use super::run_directory::RunDirectory;
 
-/// Columns.
-pub const COLUMNS: [&str; 13] = [
-    "increment",
-    "stage",
-    "bond",
-    "a",
-    "b",
-    "mode",
-    "x_m",
-    "y_m",
-    "normal_x",
-    "normal_y",
-    "p_n",
-    "q_n",
-    "tau_nm",
+/// Columns of a rupture, and of the name of its stage.
+pub const COLUMNS: [Column<(Rupture, String)>; 13] = [
+    ("increment", |(rupture, _)| rupture.increment.into()),
+    ("stage", |(_, stage)| stage.as_str().into()),
+    ("bond", |(rupture, _)| Field::Count(rupture.bond.0.into())),
+    ("a", |(rupture, _)| Field::Count(rupture.a.0.into())),
+    ("b", |(rupture, _)| Field::Count(rupture.b.0.into())),
+    ("mode", |(rupture, _)| rupture.mode.name().into()),
+    ("x_m", |(rupture, _)| rupture.position.x.into()),
+    ("y_m", |(rupture, _)| rupture.position.y.into()),
+    ("normal_x", |(rupture, _)| rupture.normal.x.into()),
+    ("normal_y", |(rupture, _)| rupture.normal.y.into()),
+    ("p_n", |(rupture, _)| rupture.p.into()),
+    ("q_n", |(rupture, _)| rupture.q.into()),
+    ("tau_nm", |(rupture, _)| rupture.tau.into()),
 ];
-
-/// The row of a rupture.
-pub fn row(rupture: &Rupture, stage: &str) -> Row {
-    Row::default()
-        .count(rupture.increment)
-        .text(stage)
-        .count(rupture.bond.0)
-        .count(rupture.a.0)
-        .count(rupture.b.0)
-        .text(rupture.mode.name())
-        .numbers(rupture.position.to_array())
-        .numbers(rupture.normal.to_array())
-        .numbers([rupture.p, rupture.q, rupture.tau])
-}
 
 /// System: writes the ruptures of the increment.
 pub(super) fn write(
@@ -49,7 +35,7 @@ pub(super) fn write(
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     for rupture in &observation.ruptures {
-        run.tables.events.push(row(rupture, &observation.stage))?;
+        run.tables.events.push(row(&COLUMNS, &(*rupture, observation.stage.clone())))?;
     }
     Ok(())
 }

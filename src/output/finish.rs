@@ -6,7 +6,7 @@ use clastic_components::contact::BodyTable;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 
-use super::avalanches::CurrentAvalanche;
+use super::avalanches::{CurrentAvalanche, Ended};
 use super::drive::PeakForce;
 use super::found::Found;
 use super::prepared::PreparedSpecimen;
@@ -14,7 +14,7 @@ use super::read_history::History;
 use super::run_directory::RunDirectory;
 use super::run_record::OutcomeRecord;
 use super::save::{save, save_the_end};
-use super::{OutputError, directory, frames, names, states};
+use super::{OutputError, directory, frames, states};
 use crate::run::key_results::{KeyResults, Results};
 use crate::run::sanity;
 use crate::run::stages::Script;
@@ -66,9 +66,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         if ending.outcome().is_some()
             && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()
         {
-            let (row, bonds) = avalanche.ended(None);
-            run.tables.avalanches.push(row)?;
-            world.resource_mut::<Found>().see_avalanche(bonds);
+            Ended(avalanche, None).write(&mut world.resource_mut(), &mut run)?;
         }
         let results = world.resource::<KeyResults>().results();
         let pours = world.resource::<Script>().scene.stages.iter().any(Stage::pours);
@@ -78,7 +76,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         write_report(&run, world)?;
         if has_ended {
             // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
-            directory::remove_if_there(&run.path(names::CHECKPOINT))?;
+            directory::remove_if_there(&run.path(directory::CHECKPOINT))?;
         }
         Ok(results)
     })
@@ -101,7 +99,7 @@ fn write_record(
     results: &Results,
 ) -> Result<(), OutputError> {
     let observation = world.resource::<Observation>();
-    let path = run.path(names::RUN);
+    let path = run.path(directory::RUN);
     let record = &mut run.record;
     record.outcome = OutcomeRecord::new(outcome, observation.stage.clone(), observation.increment);
     record.stages = world.resource::<Script>().ends.clone();
@@ -133,7 +131,7 @@ fn write_report(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
         return Ok(());
     }
     let named = (scene.title.clone(), run.directory().to_owned());
-    super::report::write(&[named], &run.path(names::REPORT))
+    super::report::write(&[named], &run.path(directory::REPORT))
 }
 
 /// This build writes no page.

@@ -28,11 +28,11 @@ pub struct Found {
     /// How a packing settled, the last one if several did.
     pub settled: Option<Settled>,
     /// The first collapse that has a mechanism.
-    mechanism: Option<MechanismRecord>,
+    pub mechanism: Option<MechanismRecord>,
     /// Number of avalanches.
-    avalanches: usize,
+    pub avalanches: usize,
     /// Number of bonds broken in the largest one.
-    largest_avalanche: usize,
+    pub largest_avalanche: usize,
     /// Largest normal force of a contact from the reference stage on, N.
     pub largest_force: f64,
 }
@@ -51,24 +51,6 @@ pub(super) fn see_forces(
 }
 
 impl Found {
-    /// Records the mechanism of a collapse. Returns whether it is the first one.
-    pub fn see_mechanism(&mut self, mechanism: MechanismRecord) -> bool {
-        let first = self.mechanism.is_none();
-        self.mechanism.get_or_insert(mechanism);
-        first
-    }
-
-    /// Whether a mechanism was recorded.
-    pub fn has_mechanism(&self) -> bool {
-        self.mechanism.is_some()
-    }
-
-    /// Records an avalanche in which this number of bonds broke.
-    pub fn see_avalanche(&mut self, bonds: usize) {
-        self.avalanches += 1;
-        self.largest_avalanche = self.largest_avalanche.max(bonds);
-    }
-
     /// Adds these results to those of the run. `pours` says whether grains pour in.
     pub fn complete(&self, mut results: Results, pours: bool) -> Results {
         if self.porosity.is_some() {

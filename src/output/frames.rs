@@ -12,16 +12,17 @@ use clastic_components::contact::BodyTable;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
+use clastic_systems::gather_bodies::gather_bodies;
 
-use super::atomic::{atomically, write_atomic};
+use super::atomic::write_atomic;
 use super::csv_file::Row;
 use super::run_directory::RunDirectory;
 use super::wanted::Wanted;
-use super::{OutputError, directory, names};
+use super::{OutputError, directory};
 use crate::frames::{Frame, FrameTables};
 use crate::run::key_results::KeyResults;
 use crate::run::stages::Script;
-use crate::scene::specimen_file::{self, StoredParticle};
+use crate::scene::StoredParticle;
 
 /// Columns of a frame as CSV. Displacements are relative to the start of the stage list.
 pub const COLUMNS: [&str; 7] = ["id", "x_m", "y_m", "radius_m", "rotation_rad", "ux_m", "uy_m"];
@@ -45,11 +46,11 @@ impl Particles<'_, '_> {
         for (i, x) in bodies.positions.iter().take(bodies.particles).enumerate() {
             let motion = self.motions.get(bodies.entities[i]).ok();
             let row = Row::default()
-                .count(u64::from(bodies.ids[i].0))
-                .numbers(x.to_array())
-                .number(bodies.radii[i])
-                .number(motion.map_or(0.0, |(rotation, _)| rotation.0))
-                .numbers(motion.map_or(DVec2::ZERO, |(_, origin)| *x - origin.0).to_array());
+                .with(u64::from(bodies.ids[i].0))
+                .and(x.to_array())
+                .with(bodies.radii[i])
+                .with(motion.map_or(0.0, |(rotation, _)| rotation.0))
+                .and(motion.map_or(DVec2::ZERO, |(_, origin)| *x - origin.0).to_array());
             text.push_str(&row.line());
         }
         write_atomic(path, text)
@@ -71,14 +72,6 @@ pub fn specimen_rows(bodies: &BodyTable, materials: &Materials) -> Vec<StoredPar
         .collect()
 }
 
-/// Writes a stored specimen.
-///
-/// # Errors
-/// If the file cannot be written.
-pub fn write_specimen(path: &Path, rows: &[StoredParticle]) -> Result<(), OutputError> {
-    atomically(path, |temporary| specimen_file::write(temporary, rows))
-}
-
 /// System: writes the frame of the increment, if wanted.
 pub(super) fn write_wanted(
     (wanted, observation): (Res<Wanted>, Res<Observation>),
@@ -88,10 +81,11 @@ pub(super) fn write_wanted(
     if !wanted.frame {
         return Ok(());
     }
-    let path = directory::frame(run.directory(), observation.increment);
+    let name = format!("frame_{:06}", observation.increment);
+    let path = run.path(directory::FRAMES).join(format!("{name}.csv"));
     particles.write(&path)?;
     if ARE_ARRAYS {
-        write(&mut run, &path.with_extension("npz"), &tables.frame())?;
+        write(&mut run, &format!("{name}.npz"), &tables.frame())?;
     }
     run.is_fresh(path);
     Ok(())
@@ -100,7 +94,7 @@ pub(super) fn write_wanted(
 /// Writes the particles at the end.
 pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError> {
     let write = |particles: Particles, run: Res<RunDirectory>| {
-        particles.write(&run.path(names::FINAL_PARTICLES))
+        particles.write(&run.path(directory::FINAL_PARTICLES))
     };
     world.run_system_cached(write).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -116,10 +110,12 @@ pub struct FrameMoments {
 }
 
 impl FrameMoments {
-    /// Frames of a run whose reference stage is yet to begin, or has begun.
-    pub(super) fn take(world: &mut World, has_begun: bool) -> Self {
+    /// Inserts the frames of a run whose reference stage is yet to begin, or has begun. Gathers the
+    /// tables, which a world without increments does not have yet; this does not change the run.
+    pub(super) fn begin(world: &mut World, has_begun: bool) {
+        let _ = world.run_system_cached(gather_bodies);
         let start = (ARE_ARRAYS && !has_begun).then(|| Frame::take(world));
-        Self { start, peak: None }
+        world.insert_resource(Self { start, peak: None });
     }
 }
 
@@ -143,8 +139,7 @@ pub(super) fn write_start(
     if progress.stage >= script.reference_stage()
         && let Some(frame) = frames.start.take()
     {
-        let path = run.path(names::FRAMES).join(names::FRAME_START);
-        write(&mut run, &path, &frame)?;
+        write(&mut run, directory::FRAME_START, &frame)?;
     }
     Ok(())
 }
@@ -153,9 +148,7 @@ pub(super) fn write_start(
 pub(super) fn write_peak(world: &mut World) -> Result<(), OutputError> {
     let peak = world.get_resource_mut::<FrameMoments>().and_then(|mut frames| frames.peak.take());
     let Some(frame) = peak else { return Ok(()) };
-    let mut run = world.resource_mut::<RunDirectory>();
-    let path = run.path(names::FRAMES).join(names::FRAME_PEAK);
-    write(&mut run, &path, &frame)
+    write(&mut world.resource_mut(), directory::FRAME_PEAK, &frame)
 }
 
 /// Writes the frame of the end.
@@ -164,15 +157,13 @@ pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
         return Ok(());
     }
     let frame = Frame::take(world);
-    let mut run = world.resource_mut::<RunDirectory>();
-    let path = run.path(names::FRAMES).join(names::FRAME_END);
-    write(&mut run, &path, &frame)
+    write(&mut world.resource_mut(), directory::FRAME_END, &frame)
 }
 
-fn write(run: &mut RunDirectory, path: &Path, frame: &Frame) -> Result<(), OutputError> {
-    let bytes = frame.encode().map_err(std::io::Error::other).map_err(OutputError::at(path))?;
-    write_atomic(path, bytes)?;
-    run.is_fresh(path.to_owned());
+fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), OutputError> {
+    let path = run.path(directory::FRAMES).join(name);
+    write_atomic(&path, frame.encode().map_err(OutputError::at(&path))?)?;
+    run.is_fresh(path);
     Ok(())
 }
 
@@ -180,12 +171,12 @@ fn write(run: &mut RunDirectory, path: &Path, frame: &Frame) -> Result<(), Outpu
 pub(super) fn kept(directory: &Path, increment: u64, has_begun: bool) -> Vec<&'static str> {
     let mut kept = Vec::new();
     if has_begun {
-        kept.push(names::FRAME_START);
+        kept.push(directory::FRAME_START);
     }
     // A run that was killed between the frame and its checkpoint leaves a later peak.
-    let peak = Frame::read(&directory.join(names::FRAMES).join(names::FRAME_PEAK));
+    let peak = Frame::read(&directory.join(directory::FRAMES).join(directory::FRAME_PEAK));
     if peak.is_ok_and(|frame| frame.increment <= increment) {
-        kept.push(names::FRAME_PEAK);
+        kept.push(directory::FRAME_PEAK);
     }
     kept
 }

@@ -7,16 +7,15 @@ use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::IncrementStatus;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::measure::Readings;
 use clastic_components::observation::Observation;
 
-use super::OutputError;
-use super::csv_file::Row;
+use super::csv_file::{Field, Row};
 use super::run_directory::RunDirectory;
 use super::wanted::Wanted;
-pub use crate::history_columns::{COLUMNS, ENERGY_COLUMNS, PROBE_COLUMNS};
+use super::{OutputError, csv_file};
+use crate::history_columns::{COLUMNS, ENERGY_COLUMNS, PROBE_COLUMNS};
 use crate::scene::format::{Scene, Specimen};
 
 /// Names of the rigid groups of a scene: those from the start, then in the order of the stages that
@@ -51,51 +50,23 @@ pub fn probes(scene: &Scene) -> Vec<String> {
     bodies.into_iter().chain(rigid_groups(scene)).collect()
 }
 
-/// The energies of a row, in the order of [`ENERGY_COLUMNS`].
-#[must_use]
-pub fn energies(ledger: &EnergyLedger) -> [f64; 14] {
-    let e = &ledger.total;
-    [
-        e.external,
-        e.gravity,
-        e.exchange,
-        e.kinetic,
-        ledger.stored.unwrap_or_default(),
-        e.friction,
-        e.rolling,
-        e.dilation,
-        e.collision,
-        e.rupture,
-        e.motion,
-        e.turning,
-        e.numerical,
-        e.error(),
-    ]
-}
-
 /// The header.
 #[must_use]
 pub fn header(probes: &[String]) -> Vec<String> {
-    let mut header: Vec<String> = COLUMNS.iter().map(|c| (*c).to_owned()).collect();
-    for name in probes {
-        header.extend(PROBE_COLUMNS.iter().map(|column| format!("{name}{column}")));
-    }
-    header
+    let of_probe = |name| csv_file::names(&PROBE_COLUMNS).map(move |of| format!("{name}{of}"));
+    let header = csv_file::names(&COLUMNS).map(str::to_owned);
+    header.chain(probes.iter().flat_map(of_probe)).collect()
 }
 
-/// Columns after all others: the measures of the scene beside its axial and lateral ones.
-pub fn measures(scene: &Scene) -> impl Iterator<Item = String> {
-    scene.further_measures().map(|measure| measure.name.clone())
-}
-
-/// All columns of the history of a scene.
+/// All columns of the history of a scene, the last of which are its measures beside the axial and
+/// lateral ones.
 #[must_use]
 pub fn columns(scene: &Scene) -> Vec<String> {
     let mut header = header(&probes(scene));
     if scene.output.energy {
-        header.extend(ENERGY_COLUMNS.map(str::to_owned));
+        header.extend(csv_file::names(&ENERGY_COLUMNS).map(str::to_owned));
     }
-    header.extend(measures(scene));
+    header.extend(scene.further_measures().map(|measure| measure.name.clone()));
     header
 }
 
@@ -103,67 +74,26 @@ pub fn columns(scene: &Scene) -> Vec<String> {
 /// scene.
 #[must_use]
 pub fn last_row(world: &World, probes: &[String]) -> Row {
-    let (ledger, readings) = (world.get_resource(), world.resource());
-    whole_row(world.resource(), ledger, readings, probes)
+    row(world.resource(), world.get_resource(), world.resource(), probes)
 }
 
-fn whole_row(
-    observation: &Observation,
+/// The row of an increment.
+fn row(
+    o: &Observation,
     ledger: Option<&EnergyLedger>,
     readings: &Readings,
     probes: &[String],
 ) -> Row {
-    let mut row = row(observation, probes);
-    if let Some(ledger) = ledger {
-        row = row.numbers(energies(ledger));
-    }
-    row.optionals(readings.0.iter().copied())
-}
-
-/// The columns of an increment that every history has.
-#[must_use]
-pub fn row(o: &Observation, probes: &[String]) -> Row {
-    let r = &o.residuals;
-    // A collapse has no solution and therefore no residuals.
-    let solved = o.status != IncrementStatus::Collapsed;
-    let mut row = Row::default()
-        .count(o.increment)
-        .text(&o.stage)
-        .number(o.time)
-        .optional(o.axial_strain)
-        .optional(o.lateral_strain)
-        .optional(o.volumetric_strain)
-        .optional(o.axial_stress)
-        .optional(o.lateral_stress)
-        .count(o.contacts as u64)
-        .count(o.bonds as u64)
-        .count(o.broken[0] as u64)
-        .count(o.broken[1] as u64)
-        .count(o.broken[2] as u64)
-        .count(o.iterations)
-        .optionals(
-            [r.balance, r.kinematics, r.cone, r.complementarity, o.imbalance]
-                .map(|r| solved.then_some(r)),
-        )
-        .optional(o.idle_motion)
-        .text(o.status.name())
-        .number(o.fraction)
-        .count(o.potential_contacts as u64)
-        .count(o.solves)
-        .count(o.motion_steps)
-        .numbers([o.kinetic_energy, o.coulomb_residual])
-        .text(&o.caps);
-    for name in probes {
+    let of_probe = |name: &String| {
         // A removed wall leaves its columns empty.
         let reading = o.probes.iter().find(|reading| reading.name == *name);
-        for k in 0..3 {
-            row = row.optional(reading.map(|reading| reading.motion[k]));
-        }
-        for k in 0..3 {
-            row = row.optional(reading.map(|reading| reading.force[k]));
-        }
-    }
-    row
+        PROBE_COLUMNS.map(|(_, of)| reading.map_or(Field::Empty, of))
+    };
+    let energies = ledger.into_iter().flat_map(|ledger| ENERGY_COLUMNS.map(|(_, of)| of(ledger)));
+    csv_file::row(&COLUMNS, o)
+        .and(probes.iter().flat_map(of_probe))
+        .and(energies)
+        .and(readings.0.iter().copied())
 }
 
 /// System: verifies that the table still exists, before anything is written.
@@ -183,7 +113,7 @@ pub(super) fn write_wanted(
     if !wanted.row {
         return Ok(());
     }
-    let row = whole_row(&observation, ledger.as_deref(), &readings, &run.probes);
+    let row = row(&observation, ledger.as_deref(), &readings, &run.probes);
     run.tables.history.push(row)
 }
 
@@ -212,7 +142,7 @@ mod tests {
             ProbeReading { name: "b".to_owned(), motion: [1.0, 2.0, 3.0], force: [4.0, 5.0, 6.0] };
         let observation = Observation { probes: vec![there], ..Default::default() };
         let names = ["a".to_owned(), "b".to_owned()];
-        let line = row(&observation, &names).line();
+        let line = row(&observation, None, &Readings::default(), &names).line();
         assert_eq!(line.split(',').count(), header(&names).len());
         assert!(line.ends_with(",,,,,,,1.0,2.0,3.0,4.0,5.0,6.0\n"), "{line}");
         assert!(line.starts_with("0,,0.0,,,,,,0,0,"), "{line}");

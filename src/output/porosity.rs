@@ -32,15 +32,12 @@ pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Prepared) -> 
     Some(1.0 - total(start) / (height * width)).filter(|p| p.is_finite())
 }
 
-/// Porosity of the periodic cell, or without one within the box around the disks.
+/// Porosity of the periodic cell, or without one within the axis-aligned box around the disks; `None`
+/// without disks.
 pub fn in_cell_or_box(packing: &Prepared) -> Option<f64> {
     let disks = &packing.rows;
-    packing.cell_area.map_or_else(|| in_box(disks), |area| Some(1.0 - total(disks) / area))
-}
-
-/// Porosity within the axis-aligned box around the disks; `None` without disks.
-fn in_box(disks: &[StoredParticle]) -> Option<f64> {
-    Some(1.0 - total(disks) / (extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?))
+    let in_box = || Some(extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?);
+    Some(1.0 - total(disks) / packing.cell_area.or_else(in_box)?)
 }
 
 /// Porosity within the [triangles] between the centres of neighbouring disks: that of a specimen

@@ -12,12 +12,13 @@ use clastic_components::observation::{Measures, Observation};
 use clastic_components::wall::Wall;
 use clastic_systems::gather_bodies::gather_bodies;
 
+use super::atomic::atomically;
 use super::found::{Found, Settled};
 use super::run_directory::RunDirectory;
 use super::{OutputError, directory, frames, porosity};
 use crate::run::stages::{CurrentStage, Script};
-use crate::scene::StoredParticle;
 use crate::scene::format::Stage;
+use crate::scene::{StoredParticle, specimen_file};
 
 /// The prepared specimen.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -59,11 +60,9 @@ pub(super) fn take_start(world: &mut World) {
     let is_reference =
         world.resource::<ClasticProgress>().stage == world.resource::<Script>().reference_stage();
     if is_reference && world.resource::<PreparedSpecimen>().waiting.is_some() {
-        let _ = world.run_system_cached(gather_bodies);
+        frames::FrameMoments::begin(world, false);
         let prepared = Prepared::take(world);
         world.resource_mut::<PreparedSpecimen>().waiting = Some(prepared);
-        let frames = frames::FrameMoments::take(world, false);
-        world.insert_resource(frames);
     }
 }
 
@@ -145,7 +144,7 @@ fn write(
 ) -> Result<(), OutputError> {
     let path = run.path(directory::SPECIMEN);
     specimen.written = Some(moment);
-    frames::write_specimen(&path, &prepared.rows)?;
+    atomically(&path, |temporary| specimen_file::write(temporary, &prepared.rows))?;
     run.is_fresh(path);
     Ok(())
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::history_columns::PROBE_COLUMNS;
-use crate::output::{OutputError, directory, names};
+use crate::output::{OutputError, directory};
 
 /// A probe after an increment of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -50,9 +50,12 @@ impl History {
     /// # Errors
     /// If the history cannot be read.
     pub fn of_record(directory: &Path, record: &serde_json::Value) -> Result<Self, OutputError> {
-        let history = Self::read(&directory.join(names::HISTORY))?;
+        let history = Self::read(&directory.join(directory::HISTORY))?;
+        let mut history = history.after(record["increments"].as_u64().unwrap_or(0));
+        // Without a reference stage the test begins with the last stage.
         let stage = record["settings"]["reference_stage"].as_str().unwrap_or_default();
-        let history = history.after(record["increments"].as_u64().unwrap_or(0)).from_stage(stage);
+        let begins = history.stages.iter().find(|(name, _)| name == stage);
+        history.test = begins.map_or(history.test, |(_, row)| *row);
         // Of the stages with a seed, time passes in those that pour.
         let before = history.stages.iter().rev().find(|(_, row)| *row < history.test);
         let is_compacted = before.is_some_and(|(name, row)| {
@@ -72,13 +75,6 @@ impl History {
     pub fn after(self, made: u64) -> Self {
         let last = self.column("increment").into_iter().flatten().fold(0.0, f64::max);
         Self { is_continued: last > made as f64, ..self }
-    }
-
-    /// States which stage the test begins with. Without it that is the last one.
-    #[must_use]
-    pub fn from_stage(self, name: &str) -> Self {
-        let begins = self.stages.iter().find(|(stage, _)| stage == name).map(|(_, row)| *row);
-        Self { test: begins.unwrap_or(self.test), ..self }
     }
 
     /// Reads a history.
@@ -112,23 +108,18 @@ impl History {
         self.rows.iter().map(|row| row.get(k).copied().flatten()).collect()
     }
 
-    /// Points of one column against another, where both values are defined.
-    #[must_use]
-    pub fn points(&self, x: &str, y: &str) -> Vec<(f64, f64)> {
-        let pairs = self.column(x).into_iter().zip(self.column(y));
-        pairs.filter_map(|(x, y)| Some((x?, y?))).collect()
-    }
-
     /// Points of a column against the axial strain, from the initial state on, at which the strain
     /// is 0. The value there is that of the row before the first strain, or 0 if that row has no
     /// value or does not exist. The initial state of a run that starts from a saved state is not in
     /// its history.
     #[must_use]
     pub fn curve(&self, column: &str) -> Vec<(f64, f64)> {
-        let mut points = self.points("axial_strain", column);
-        let first = self.column("axial_strain").iter().position(Option::is_some);
+        let (strains, values) = (self.column("axial_strain"), self.column(column));
+        let pairs = strains.iter().zip(&values);
+        let mut points: Vec<_> = pairs.filter_map(|(x, y)| Some(((*x)?, (*y)?))).collect();
+        let first = strains.iter().position(Option::is_some);
         let Some(first) = first.filter(|_| !points.is_empty()) else { return points };
-        let before = first.checked_sub(1).map(|row| self.column(column)[row].unwrap_or(0.0));
+        let before = first.checked_sub(1).map(|row| values[row].unwrap_or(0.0));
         // Strains count from the initial state, whatever led there.
         let of_strain = column.ends_with("strain").then_some(0.0);
         let free = (!self.is_continued).then_some(0.0);
@@ -170,7 +161,7 @@ impl History {
     /// Names of the probes.
     #[must_use]
     pub fn probes(&self) -> Vec<&str> {
-        self.names.iter().filter_map(|name| name.strip_suffix(PROBE_COLUMNS[0])).collect()
+        self.names.iter().filter_map(|name| name.strip_suffix(PROBE_COLUMNS[0].0)).collect()
     }
 }
 

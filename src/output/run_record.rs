@@ -13,6 +13,7 @@ use super::found::Settled;
 use super::history::rigid_groups;
 use crate::run::key_results::Results;
 use crate::run::sanity::Report;
+use crate::run::stages::Script;
 use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::files::read_at_most;
@@ -81,12 +82,9 @@ impl RunFacts {
     /// # Errors
     /// If the stored specimen can no longer be read.
     pub fn new(loaded: &LoadedScene, overrides: &[String]) -> Result<Self, OutputError> {
-        let specimen = match &loaded.scene.specimen {
-            Specimen::File { path, .. } | Specimen::State { path, .. } => {
-                let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
-                read_at_most(&path, u64::MAX).map_err(OutputError::at(&path))?
-            }
-            _ => None,
+        let specimen = match loaded.specimen_file() {
+            Some(path) => read_at_most(&path, u64::MAX).map_err(OutputError::at(&path))?,
+            None => None,
         };
         let file = loaded.path.file_name().unwrap_or_default();
         Ok(Self {
@@ -219,8 +217,9 @@ const CONVENTIONS: Conventions = Conventions {
 impl RunRecord {
     /// Record of a run that has not ended.
     #[must_use]
-    pub fn new(loaded: &LoadedScene, facts: &RunFacts, reference_stage: usize) -> Self {
+    pub fn new(loaded: &LoadedScene, facts: &RunFacts) -> Self {
         let scene = &loaded.scene;
+        let reference_stage = Script::new(scene).reference_stage();
         let mut seeds = BTreeMap::new();
         if let Specimen::Packing { seed, .. } = scene.specimen {
             seeds.insert("specimen".to_owned(), seed);
@@ -269,10 +268,7 @@ impl RunRecord {
     }
 
     /// Writes the record. A reader sees the old or the new one, and never an incomplete one.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn write(&self, path: &Path) -> Result<(), OutputError> {
+    pub(super) fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = serde_json::to_string_pretty(self).map_err(OutputError::at(path))?;
         text.push('\n');
         write_atomic(path, text)

@@ -1,6 +1,5 @@
 //! Systems: checkpoints.
 
-use std::io;
 use std::time::Instant;
 
 use bevy_ecs::prelude::*;
@@ -11,9 +10,9 @@ use clastic_systems::schedule::PROGRESS;
 
 use super::checkpoint::Checkpoint;
 use super::run_directory::RunDirectory;
-use super::{OutputError, frames, names};
+use super::{OutputError, directory, frames};
 use crate::run::script::Script;
-use crate::run::state::{StateError, WorldState, capture};
+use crate::run::state::{WorldState, capture};
 use crate::scene::format::Stage;
 
 /// Run condition: a checkpoint is due.
@@ -27,9 +26,10 @@ pub fn save(world: &mut World) -> Result<(), OutputError> {
     let clock = Instant::now();
     // The checkpoint does not contain this frame.
     frames::write_peak(world)?;
-    let (increment, state) = state(world, names::CHECKPOINT)?;
+    let (increment, state) = state(world, directory::CHECKPOINT)?;
     let mut run = world.resource_mut::<RunDirectory>();
-    run.save(increment, state)?;
+    run.checkpoint(increment, state)?.write(run.directory(), directory::CHECKPOINT)?;
+    run.saved = Some(increment);
     run.saving += clock.elapsed().as_secs_f64();
     Ok(())
 }
@@ -64,11 +64,11 @@ pub fn save_the_end(world: &mut World) -> Result<(), OutputError> {
         None => the_end(world)?,
     };
     let run = world.resource::<RunDirectory>();
-    checkpoint.write_as(run.directory(), names::FINAL_CHECKPOINT)
+    checkpoint.write(run.directory(), directory::FINAL_CHECKPOINT)
 }
 
 fn the_end(world: &mut World) -> Result<Checkpoint, OutputError> {
-    let (increment, state) = state(world, names::FINAL_CHECKPOINT)?;
+    let (increment, state) = state(world, directory::FINAL_CHECKPOINT)?;
     let mut run = world.resource_mut::<RunDirectory>();
     Ok(run.checkpoint(increment, state)?.of_the_end())
 }
@@ -76,8 +76,7 @@ fn the_end(world: &mut World) -> Result<Checkpoint, OutputError> {
 /// The state for the file `name`, and its increment: an undecided one was not committed.
 fn state(world: &mut World, name: &str) -> Result<(u64, WorldState), OutputError> {
     let path = world.resource::<RunDirectory>().path(name);
-    let invalid = |error: StateError| OutputError::at(&path)(io::Error::other(error));
-    let state = capture(world).map_err(invalid)?;
-    let increment = state.get::<ClasticProgress>(PROGRESS).map_err(invalid)?.increment;
-    Ok((increment, state))
+    let state = capture(world).map_err(OutputError::at(&path))?;
+    let progress: ClasticProgress = state.get(PROGRESS).map_err(OutputError::at(&path))?;
+    Ok((progress.increment, state))
 }

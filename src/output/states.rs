@@ -10,7 +10,7 @@ use clastic_systems::state::WorldState;
 
 use super::atomic::write_atomic;
 use super::run_directory::RunDirectory;
-use super::{OutputError, names};
+use super::{OutputError, directory};
 use crate::run::save::SavedStates;
 use crate::run::state::{SCRIPT, ScriptState};
 use crate::saved;
@@ -36,13 +36,12 @@ pub fn write_final(world: &mut World) -> Result<(), OutputError> {
     if !cfg!(feature = "npz") {
         return Ok(());
     }
-    let path = world.resource::<RunDirectory>().path(names::FINAL_STATE);
-    let tables = saved::save(world).map_err(std::io::Error::other);
-    write(&path, &tables.map_err(OutputError::at(&path))?)
+    let path = world.resource::<RunDirectory>().path(directory::FINAL_STATE);
+    write(&path, &saved::save(world).map_err(OutputError::at(&path))?)
 }
 
 fn write(path: &Path, tables: &Tables) -> Result<(), OutputError> {
-    let bytes = tables.encode().map_err(std::io::Error::other).map_err(OutputError::at(path))?;
+    let bytes = tables.encode().map_err(OutputError::at(path))?;
     write_atomic(path, bytes)
 }
 

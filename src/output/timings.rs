@@ -11,7 +11,8 @@ use super::csv_file::Row;
 use super::run_directory::RunDirectory;
 use super::wanted::Wanted;
 
-/// Columns.
+/// Columns, of which the last is the time for the other files of the increment and for a checkpoint
+/// since the previous row.
 pub const COLUMNS: [&str; 9] = [
     "increment",
     "detect_s",
@@ -24,14 +25,6 @@ pub const COLUMNS: [&str; 9] = [
     "output_s",
 ];
 
-/// Row of an increment. `output` is the time for its other files and for a checkpoint since the
-/// previous row.
-#[must_use]
-pub fn row(increment: u64, t: &Timings, output: f64) -> Row {
-    let parts = [t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record];
-    Row::default().count(increment).numbers(parts).number(output)
-}
-
 /// System: starts the clock of the output.
 pub(super) fn start_clock(mut run: ResMut<RunDirectory>) {
     run.clock = Instant::now();
@@ -40,12 +33,13 @@ pub(super) fn start_clock(mut run: ResMut<RunDirectory>) {
 /// System: writes the timings of the increment, if wanted.
 pub(super) fn write_wanted(
     wanted: Res<Wanted>,
-    (observation, timings): (Res<Observation>, Res<Timings>),
+    (observation, t): (Res<Observation>, Res<Timings>),
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     if !wanted.row {
         return Ok(());
     }
     let output = run.clock.elapsed().as_secs_f64() + std::mem::take(&mut run.saving);
-    run.tables.timings.push(row(observation.increment, &timings, output))
+    let parts = [t.detect, t.assemble, t.solve, t.update, t.rupture, t.walls, t.record, output];
+    run.tables.timings.push(Row::default().with(observation.increment).and(parts))
 }

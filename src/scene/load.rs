@@ -32,6 +32,19 @@ pub struct LoadedScene {
     pub specimen: Option<StoredSpecimen>,
 }
 
+impl LoadedScene {
+    /// File of the stored specimen or saved state that the scene names.
+    #[must_use]
+    pub fn specimen_file(&self) -> Option<PathBuf> {
+        match &self.scene.specimen {
+            Specimen::File { path, .. } | Specimen::State { path, .. } => {
+                Some(self.path.parent().unwrap_or(Path::new("")).join(path))
+            }
+            _ => None,
+        }
+    }
+}
+
 /// Why a scene cannot be loaded.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadError {

@@ -13,14 +13,13 @@
 //! )
 //! ```
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 use ron::extensions::Extensions;
 use ron::value::RawValue;
 use serde::Deserialize;
 
-use super::ordered::Ordered;
+use crate::scene::unique_keys::entries;
 
 /// Version of the format that this build reads.
 pub const VERSION: u32 = 1;
@@ -89,22 +88,32 @@ pub enum Runs {
     Several(Vec<Runs>),
 }
 
+/// A map that keeps the order of the text, and refuses a key that is given twice.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Ordered<V>(pub Vec<(String, V)>);
+
+impl<V> Ordered<V> {
+    /// Value of a key.
+    pub fn get(&self, key: &str) -> Option<&V> {
+        self.0.iter().find(|(known, _)| known == key).map(|(_, value)| value)
+    }
+}
+
+impl<'de, V: Deserialize<'de>> Deserialize<'de> for Ordered<V> {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        entries(deserializer, "a map `{ \"name\": ... }`").map(Self)
+    }
+}
+
 /// Why a study cannot be run.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place}: {message}")]
 pub struct StudyError {
     /// The file, with line and column if the mistake has a place.
     pub place: String,
     /// The mistake and its remedy.
     pub message: String,
 }
-
-impl fmt::Display for StudyError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}", self.place, self.message)
-    }
-}
-
-impl std::error::Error for StudyError {}
 
 impl StudyError {
     pub(super) fn new(file: &Path, message: impl Into<String>) -> Self {

@@ -78,21 +78,16 @@ pub fn groups(plan: &Plan, records: &[Value], over: &[String]) -> Vec<Group> {
 /// Writes the table: per group its values, the number of runs in the means, the number of marked
 /// runs that they leave out, and mean and standard deviation of every key result.
 pub fn write(path: &Path, names: &[&str], groups: &[Group]) -> Result<(), OutputError> {
-    let header = names.iter().copied().chain(["runs", "marked_runs"]);
-    let mut row = header.fold(Row::default(), Row::text);
+    let mut header = Row::default().and(names.iter().copied()).and(["runs", "marked_runs"]);
     for name in RESULTS {
-        row = row.text(&format!("{name}_mean")).text(&format!("{name}_sd"));
+        header = header.with(&*format!("{name}_mean")).with(&*format!("{name}_sd"));
     }
-    let mut text = row.line();
-    for group in groups {
-        let mut row = group.values.iter().fold(Row::default(), |row, value| row.text(value));
-        row = row.count(group.runs as u64).count(group.marked as u64);
-        for Spread { mean, deviation } in &group.results {
-            row = row.optional(*mean).optional(*deviation);
-        }
-        text += &row.line();
-    }
-    write_atomic(path, text)
+    let row = |group: &Group| {
+        let results = group.results.iter().flat_map(|spread| [spread.mean, spread.deviation]);
+        let numbers = [group.runs as u64, group.marked as u64];
+        Row::default().and(group.values.iter().map(String::as_str)).and(numbers).and(results).line()
+    };
+    write_atomic(path, header.line() + &groups.iter().map(row).collect::<String>())
 }
 
 #[cfg(test)]

@@ -11,7 +11,6 @@
 mod combinations;
 pub mod format;
 pub mod means;
-mod ordered;
 pub mod plan;
 pub mod planned;
 pub mod table;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::combinations::Combinations;
+use super::combinations::combinations;
 use super::format::{Preparation, SCENE, Study, StudyError, sets};
 use super::planned::{Plan, PlannedRun, Start, Wanted};
 use crate::output::directory;
@@ -27,55 +27,52 @@ pub fn plan<E: std::fmt::Display>(
     file: &Path,
     load: impl Fn(Wanted<'_>) -> Result<LoadedScene, E>,
 ) -> Result<Plan, StudyError> {
-    let Combinations { names, rows } = Combinations::of(&study.runs, file)?;
+    let wrong = |message: String| StudyError::new(file, message);
+    let mut rows = combinations(&study.runs, file)?;
+    if rows.is_empty() {
+        return Err(wrong("runs: there are none; give at least one".to_owned()));
+    }
+    let mut plan = Plan::default();
+    for (name, value) in rows.iter_mut().flatten() {
+        if name == SCENE && study.scene.is_none() {
+            // A table has the bare name, a list or grid a string in RON.
+            *value = value.trim_matches('"').to_owned();
+        }
+        if !plan.names.contains(name) {
+            plan.names.push(name.clone());
+        }
+    }
     let of_preparation =
         study.prepare.iter().map(|prepare| ("prepare.settings", &prepare.settings));
     for (place, settings) in [("settings", &study.settings)].into_iter().chain(of_preparation) {
         for (name, fields) in &settings.0 {
-            check_setting(place, name, fields, &names)
-                .map_err(|message| StudyError::new(file, message))?;
+            if !plan.names.contains(name) {
+                return Err(wrong(format!(
+                    "{place}: no run has `{name}`; give it values in `runs`, or leave it out"
+                )));
+            }
+            if fields.is_empty() {
+                return Err(wrong(format!(
+                    "{place}.{name}: no field; name the fields of the scene that it stands for"
+                )));
+            }
         }
     }
-    if let Some(name) = study.average_over.iter().find(|name| !names.contains(name)) {
-        let known: Vec<_> = names.iter().map(String::as_str).collect();
+    if let Some(name) = study.average_over.iter().find(|name| !plan.names.contains(name)) {
+        let known: Vec<_> = plan.names.iter().map(String::as_str).collect();
         let help = suggest::help(name, &known, "names of the runs");
-        let message = format!("average_over: no run has `{name}`; {help}");
-        return Err(StudyError::new(file, message));
+        return Err(wrong(format!("average_over: no run has `{name}`; {help}")));
     }
-    if rows.is_empty() {
-        return Err(StudyError::new(file, "runs: there are none; give at least one"));
-    }
-    let mut plan = Plan { names, ..Plan::default() };
-    let scenes = plan.names.iter().position(|name| name == SCENE && study.scene.is_none());
-    for (k, mut values) in rows.into_iter().enumerate() {
-        if let Some(at) = scenes {
-            values[at] = bare(&values[at]).to_owned();
-        }
-        let run = PlannedRun { values, ..PlannedRun::default() };
+    for (k, values) in rows.iter().enumerate() {
+        let value = |name| values.iter().find(|(known, _)| known == name);
+        let value = |name| value(name).map_or(String::new(), |(_, value)| value.clone());
+        let run =
+            PlannedRun { values: plan.names.iter().map(value).collect(), ..PlannedRun::default() };
         let what = format!("run {} ({})", k + 1, run.label(&plan.names));
         let add = plan.add(run, study, &load);
-        add.map_err(|message| StudyError::new(file, format!("{what}{message}")))?;
+        add.map_err(|message| wrong(format!("{what}{message}")))?;
     }
     Ok(plan)
-}
-
-fn check_setting(
-    place: &str,
-    name: &str,
-    fields: &[String],
-    names: &[String],
-) -> Result<(), String> {
-    if !names.iter().any(|known| known == name) {
-        return Err(format!(
-            "{place}: no run has `{name}`; give it values in `runs`, or leave it out"
-        ));
-    }
-    if fields.is_empty() {
-        return Err(format!(
-            "{place}.{name}: no field; name the fields of the scene that it stands for"
-        ));
-    }
-    Ok(())
 }
 
 impl Plan {
@@ -183,11 +180,6 @@ fn scene<'a>(study: &'a Study, values: &[(String, String)]) -> Result<&'a Path, 
     })
 }
 
-/// The name of a scene as a value. A table has the bare name, a list or grid a string in RON.
-fn bare(value: &str) -> &str {
-    value.trim_matches('"')
-}
-
 /// File of the state that a stage keeps.
 fn saved_as(scene: &Scene, state: &str) -> Result<String, String> {
     let saves = || {
@@ -208,13 +200,10 @@ fn saved_as(scene: &Scene, state: &str) -> Result<String, String> {
 /// and of the stored specimen.
 fn hashed(loaded: &LoadedScene) -> std::io::Result<String> {
     let mut content = format!("clastic {CLASTIC_VERSION}\n{}\n", loaded.text).into_bytes();
-    if let Specimen::File { path, .. } | Specimen::State { path, .. } = &loaded.scene.specimen {
-        let path = loaded.path.parent().unwrap_or(Path::new("")).join(path);
-        // A shipped specimen is part of the program and of its version. A state that is prepared
-        // is not there yet; the directory of its preparation is part of the path.
-        if path.exists() {
-            content.extend(sha256(&fs::read(path)?).into_bytes());
-        }
+    // A shipped specimen is part of the program and of its version. A state that is prepared is not
+    // there yet; the directory of its preparation is part of the path.
+    if let Some(path) = loaded.specimen_file().filter(|path| path.exists()) {
+        content.extend(sha256(&fs::read(path)?).into_bytes());
     }
     Ok(sha256(&content)[..DIGITS].to_owned())
 }

@@ -51,7 +51,13 @@ pub struct Wanted<'a> {
 impl PlannedRun {
     /// The run in one line: its names and values.
     pub fn label(&self, names: &[String]) -> String {
-        let parts = names.iter().zip(&self.values).filter(|(_, value)| !value.is_empty());
-        parts.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
+        label(names, &self.values)
     }
+}
+
+/// Names with their values, without names that have none.
+pub fn label(names: &[impl AsRef<str>], values: &[impl AsRef<str>]) -> String {
+    let parts = names.iter().zip(values).map(|(name, value)| (name.as_ref(), value.as_ref()));
+    let parts = parts.filter(|(_, value)| !value.is_empty());
+    parts.map(|(name, value)| format!("{name} {value}")).collect::<Vec<_>>().join(", ")
 }

@@ -4,10 +4,10 @@ use std::path::Path;
 
 use serde_json::Value;
 
-use super::planned::Plan;
+use super::planned::{Plan, label};
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
-use crate::output::csv_file::Row;
+use crate::output::csv_file::{Field, Row};
 use crate::output::directory;
 use crate::output::marks::marks;
 
@@ -48,27 +48,20 @@ pub fn records(plan: &Plan, folder: &Path) -> Vec<Value> {
 /// Writes the table. `records` are those of the runs, in the order of the plan. The column `marks`
 /// holds the reasons to doubt a run, and is empty otherwise.
 pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputError> {
-    let mut text = Row::default().text("run");
-    for name in &plan.names {
-        text = text.text(name);
-    }
-    for name in ["status", "marks", "increments", "capped_increments"].into_iter().chain(RESULTS) {
-        text = text.text(name);
-    }
-    let mut text = text.line();
+    let header = Row::default()
+        .with("run")
+        .and(plan.names.iter().map(String::as_str))
+        .and(["status", "marks", "increments", "capped_increments"])
+        .and(RESULTS);
+    let mut text = header.line();
     for (run, record) in plan.runs.iter().zip(records) {
-        let mut row = Row::default().text(&run.directory);
-        for value in &run.values {
-            row = row.text(value);
-        }
-        row = row.text(record["outcome"]["status"].as_str().unwrap_or(NOT_RUN));
-        row = row.text(&marks(record).join("; "));
-        for name in ["increments", "capped_increments"] {
-            row = number(row, &record[name]);
-        }
-        for name in RESULTS {
-            row = number(row, &record["results"][name]);
-        }
+        let row = Row::default()
+            .with(&*run.directory)
+            .and(run.values.iter().map(String::as_str))
+            .with(record["outcome"]["status"].as_str().unwrap_or(NOT_RUN))
+            .with(&*marks(record).join("; "))
+            .and(["increments", "capped_increments"].map(|name| number(&record[name])))
+            .and(RESULTS.map(|name| number(&record["results"][name])));
         text.push_str(&row.line());
     }
     write_atomic(path, text)
@@ -80,24 +73,21 @@ pub fn read(path: &Path) -> Result<Vec<(String, String)>, OutputError> {
     let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
     let names = reader.headers().map_err(OutputError::at(path))?.clone();
     // The values are between the directory and the outcome.
-    let values = 1..names.iter().position(|name| name == "status").unwrap_or(1);
+    let end = names.iter().position(|name| name == "status").unwrap_or(1);
     let mut runs = Vec::new();
     for row in reader.records() {
         let row = row.map_err(OutputError::at(path))?;
-        let text = |k: usize| format!("{} {}", &names[k], &row[k]);
-        if row.get(values.end) != Some(NOT_RUN) {
-            let label: Vec<_> = values.clone().map(text).collect();
-            runs.push((row[0].to_owned(), label.join(", ")));
+        if row.get(end) != Some(NOT_RUN) {
+            let [names, values] =
+                [&names, &row].map(|of| of.iter().take(end).skip(1).collect::<Vec<_>>());
+            runs.push((row[0].to_owned(), label(&names, &values)));
         }
     }
     Ok(runs)
 }
 
-fn number(row: Row, value: &Value) -> Row {
-    match value.as_u64() {
-        Some(count) => row.count(count),
-        None => row.optional(value.as_f64()),
-    }
+fn number(value: &Value) -> Field<'static> {
+    value.as_u64().map_or_else(|| value.as_f64().into(), Field::Count)
 }
 
 #[cfg(test)]

@@ -20,41 +20,43 @@ pub enum Data {
     Text(Vec<String>),
 }
 
-impl Data {
-    /// Number of values.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        match self {
-            Self::F64(v) => v.len(),
-            Self::F32(v) => v.len(),
-            Self::U32(v) => v.len(),
-            Self::U64(v) => v.len(),
-            Self::U8(v) => v.len(),
-            Self::Bool(v) => v.len(),
-            Self::Text(v) => v.len(),
-        }
-    }
-
-    /// Whether it has no values.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
+/// A type of the values of an array.
+pub trait Value: Clone {
+    /// Values as those of an array.
+    fn data(values: Vec<Self>) -> Data;
+    /// The values of an array, if they have this type.
+    fn values(data: &Data) -> Option<&[Self]>;
     /// Name of the type in numpy.
-    #[must_use]
-    pub fn name(&self) -> &'static str {
-        match self {
-            Self::F64(_) => "float64",
-            Self::F32(_) => "float32",
-            Self::U32(_) => "uint32",
-            Self::U64(_) => "uint64",
-            Self::U8(_) => "uint8",
-            Self::Bool(_) => "bool",
-            Self::Text(_) => "str",
-        }
-    }
+    const NAME: &'static str;
 }
+
+/// Types with their variants of [`Data`] and their names in numpy.
+macro_rules! values {
+    ($($type:ty: $variant:ident $name:literal),*) => {
+        $(impl Value for $type {
+            const NAME: &'static str = $name;
+
+            fn data(values: Vec<Self>) -> Data {
+                Data::$variant(values)
+            }
+
+            fn values(data: &Data) -> Option<&[Self]> {
+                if let Data::$variant(values) = data { Some(values) } else { None }
+            }
+        })*
+
+        impl Data {
+            /// Name of the type in numpy.
+            #[must_use]
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$variant(_) => $name),* }
+            }
+        }
+    };
+}
+
+values!(f64: F64 "float64", f32: F32 "float32", u32: U32 "uint32", u64: U64 "uint64", u8: U8 "uint8",
+    bool: Bool "bool", String: Text "str");
 
 /// An array of any shape; the last index varies fastest.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,57 +68,41 @@ pub struct Array {
 }
 
 impl Array {
-    fn column(data: Data) -> Self {
-        Self { shape: vec![data.len()], data }
+    /// A column of values.
+    #[must_use]
+    pub fn column<T: Value>(values: Vec<T>) -> Self {
+        Self { shape: vec![values.len()], data: T::data(values) }
     }
 
     /// A column of numbers.
     #[must_use]
     pub fn f64(values: Vec<f64>) -> Self {
-        Self::column(Data::F64(values))
-    }
-
-    /// A column of numbers of single precision.
-    #[must_use]
-    pub fn f32(values: Vec<f32>) -> Self {
-        Self::column(Data::F32(values))
-    }
-
-    /// A table with `N` numbers of single precision a row.
-    #[must_use]
-    pub fn f32_rows<const N: usize>(rows: &[[f32; N]]) -> Self {
-        Self { shape: vec![rows.len(), N], data: Data::F32(rows.as_flattened().to_vec()) }
+        Self::column(values)
     }
 
     /// A column of 32-bit counts.
     #[must_use]
     pub fn u32(values: Vec<u32>) -> Self {
-        Self::column(Data::U32(values))
+        Self::column(values)
     }
 
     /// A column of bytes.
     #[must_use]
     pub fn u8(values: Vec<u8>) -> Self {
-        Self::column(Data::U8(values))
-    }
-
-    /// A column of truth values.
-    #[must_use]
-    pub fn bool(values: Vec<bool>) -> Self {
-        Self::column(Data::Bool(values))
+        Self::column(values)
     }
 
     /// A column of texts.
     #[must_use]
     pub fn text(values: impl IntoIterator<Item = String>) -> Self {
-        Self::column(Data::Text(values.into_iter().collect()))
+        Self::column(values.into_iter().collect::<Vec<String>>())
     }
 
-    /// A table with `N` numbers a row.
+    /// A table with `N` values a row.
     #[must_use]
-    pub fn vectors<const N: usize>(rows: impl IntoIterator<Item = [f64; N]>) -> Self {
-        let values: Vec<f64> = rows.into_iter().flatten().collect();
-        Self { shape: vec![values.len() / N, N], data: Data::F64(values) }
+    pub fn vectors<T: Value, const N: usize>(rows: impl IntoIterator<Item = [T; N]>) -> Self {
+        let values: Vec<T> = rows.into_iter().flatten().collect();
+        Self { shape: vec![values.len() / N, N], data: T::data(values) }
     }
 
     /// A single number.

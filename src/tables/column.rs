@@ -1,6 +1,6 @@
 //! Columns by the type of their values.
 
-use super::{Array, TableError, Tables};
+use super::{Array, TableError, Tables, Value};
 
 /// Values of one type that are an array.
 pub(crate) trait Column: Sized {
@@ -10,39 +10,22 @@ pub(crate) trait Column: Sized {
     fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError>;
 }
 
-/// A column of single values.
-macro_rules! single {
-    ($($type:ty: $name:ident),*) => {$(
-        impl Column for Vec<$type> {
-            fn array(&self) -> Array {
-                Array::$name(self.clone())
-            }
-
-            fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError> {
-                Ok(tables.$name(name, &[rows])?.to_vec())
-            }
-        }
-    )*};
-}
-
-single!(u32: u32, u8: u8, f32: f32, bool: bool, String: text);
-
-impl<const N: usize> Column for Vec<[f32; N]> {
+impl<T: Value> Column for Vec<T> {
     fn array(&self) -> Array {
-        Array::f32_rows(self)
+        Array::column(self.clone())
     }
 
     fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError> {
-        tables.f32_rows(name, rows)
+        Ok(tables.values(name, &[rows])?.to_vec())
     }
 }
 
-impl<const N: usize> Column for Vec<[f64; N]> {
+impl<T: Value, const N: usize> Column for Vec<[T; N]> {
     fn array(&self) -> Array {
-        Array::vectors(self.iter().copied())
+        Array::vectors(self.iter().cloned())
     }
 
     fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError> {
-        tables.vectors(name, rows)
+        Ok(tables.values(name, &[rows, N])?.as_chunks().0.to_vec())
     }
 }

@@ -18,11 +18,12 @@ mod array;
 mod column;
 #[cfg(feature = "npz")]
 mod npy;
+#[cfg(feature = "npz")]
 mod npz;
 
 pub(crate) use column::Column;
 
-pub use array::{Array, Data};
+pub use array::{Array, Data, Value};
 
 /// Why tables cannot be written or read. The message names the array; the caller adds the file.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -41,6 +42,9 @@ pub enum TableError {
     /// The file has no such array.
     #[error("no array `{0}`")]
     Missing(String),
+    /// The arrays hold another kind of data, or that of another version of a format.
+    #[error("{0}")]
+    Foreign(String),
     /// The program was built without the feature `npz`.
     #[error("this program is built without the feature `npz`, which reads and writes .npz files")]
     Unsupported,
@@ -64,6 +68,30 @@ impl Tables {
             Some((_, old)) => *old = array,
             None => self.0.push((name.to_owned(), array)),
         }
+    }
+
+    /// The tables as an archive.
+    ///
+    /// # Errors
+    /// If an array does not fit into an archive, or without the feature `npz`.
+    pub fn encode(&self) -> Result<Vec<u8>, TableError> {
+        #[cfg(feature = "npz")]
+        return npz::encode(self);
+        #[cfg(not(feature = "npz"))]
+        Err(TableError::Unsupported)
+    }
+
+    /// The tables of an archive.
+    ///
+    /// # Errors
+    /// If it is no archive, is damaged (every array has a checksum), or holds something else than
+    /// arrays; also without the feature `npz`.
+    #[cfg_attr(not(feature = "npz"), expect(unused_variables))]
+    pub fn decode(bytes: &[u8]) -> Result<Self, TableError> {
+        #[cfg(feature = "npz")]
+        return npz::decode(bytes);
+        #[cfg(not(feature = "npz"))]
+        Err(TableError::Unsupported)
     }
 
     /// Names and arrays, in order.
@@ -95,59 +123,49 @@ impl Tables {
     }
 }
 
-/// A getter for one type of values.
-macro_rules! getter {
-    ($name:ident, $variant:ident, $type:ty, $says:literal) => {
-        /// The values of an array of this type and shape, row by row.
+/// Getters for one type of values each.
+macro_rules! getters {
+    ($($name:ident: $type:ty),*) => {$(
+        /// The values of an array of this type and shape, see [`values`](Self::values).
         ///
         /// # Errors
-        /// If the array is missing or has another type or shape.
+        /// As of [`values`](Self::values).
         pub fn $name(&self, name: &str, shape: &[usize]) -> Result<&[$type], TableError> {
-            let array = self.get(name)?;
-            let Data::$variant(values) = &array.data else {
-                let what = format!("type `{}` where `{}` is expected", array.data.name(), $says);
-                return Err(TableError::at(name, what));
-            };
-            if array.shape != shape {
-                let what = format!("shape {:?} where {shape:?} is expected", array.shape);
-                return Err(TableError::at(name, what));
-            }
-            Ok(values)
+            self.values(name, shape)
         }
-    };
+    )*};
 }
 
 impl Tables {
-    getter!(f64, F64, f64, "float64");
-    getter!(f32, F32, f32, "float32");
-    getter!(u32, U32, u32, "uint32");
-    getter!(u64, U64, u64, "uint64");
-    getter!(u8, U8, u8, "uint8");
-    getter!(bool, Bool, bool, "bool");
-    getter!(text, Text, String, "str");
+    getters!(f64: f64, u32: u32, u64: u64, u8: u8, text: String);
+
+    /// The values of an array of this type and shape, row by row.
+    ///
+    /// # Errors
+    /// If the array is missing or has another type or shape.
+    pub fn values<T: Value>(&self, name: &str, shape: &[usize]) -> Result<&[T], TableError> {
+        let array = self.get(name)?;
+        let values = T::values(&array.data).ok_or_else(|| {
+            let (found, expected) = (array.data.name(), T::NAME);
+            TableError::at(name, format!("type `{found}` where `{expected}` is expected"))
+        })?;
+        if array.shape != shape {
+            let what = format!("shape {:?} where {shape:?} is expected", array.shape);
+            return Err(TableError::at(name, what));
+        }
+        Ok(values)
+    }
 
     /// Rows of `N` numbers each: an array of the shape (`rows`, `N`).
     ///
     /// # Errors
-    /// If the array is missing or has another type or shape.
+    /// As of [`values`](Self::values).
     pub fn vectors<const N: usize>(
         &self,
         name: &str,
         rows: usize,
     ) -> Result<Vec<[f64; N]>, TableError> {
-        Ok(self.f64(name, &[rows, N])?.as_chunks().0.to_vec())
-    }
-
-    /// Rows of `N` numbers of single precision each: an array of the shape (`rows`, `N`).
-    ///
-    /// # Errors
-    /// If the array is missing or has another type or shape.
-    pub fn f32_rows<const N: usize>(
-        &self,
-        name: &str,
-        rows: usize,
-    ) -> Result<Vec<[f32; N]>, TableError> {
-        Ok(self.f32(name, &[rows, N])?.as_chunks().0.to_vec())
+        Column::read(self, name, rows)
     }
 }
 
@@ -160,9 +178,9 @@ mod tests {
         tables.put("time_s", Array::value(0.1 + 0.2));
         tables.put("x_m", Array::vectors([[f64::NAN, -0.0], [f64::MIN_POSITIVE / 3.0, 1e300]]));
         tables.put("id", Array::u32(vec![0, u32::MAX]));
-        tables.put("force_n", Array::f32_rows(&[[1.0 / 3.0, -0.0], [f32::MIN_POSITIVE, 1e38]]));
+        tables.put("force_n", Array::vectors([[1.0 / 3.0, -0.0], [f32::MIN_POSITIVE, 1e38]]));
         tables.put("increment", Array::count(u64::MAX));
-        tables.put("held", Array::bool(vec![true, false, true]));
+        tables.put("held", Array::column(vec![true, false, true]));
         tables.put("kind", Array::u8(vec![0, 255]));
         tables.put("group", Array::text(["", "Sand", "Kornöfen 砂"].map(str::to_owned)));
         tables.put("nothing", Array::f64(Vec::new()));

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
-use clastic::output::{self, Checkpoint, OutputPlugin, ResumeError, RunOptions, directory};
+use clastic::output::{self, Checkpoint, OutputError, OutputPlugin, RunOptions, directory};
 use clastic::run::plugin::StageSystems;
 use clastic::run::{Simulation, StateError, Step};
 use clastic::systems::state::RegisterState;
@@ -22,7 +22,7 @@ fn refusal(change: impl Fn(&Path)) -> String {
     assert!(Checkpoint::read(&directory).is_ok());
     change(&directory);
     let read = Checkpoint::read(&directory).map(|_| ());
-    let message = read.err().map(|e: ResumeError| e.to_string()).unwrap_or_default();
+    let message = read.err().map(|e: OutputError| e.to_string()).unwrap_or_default();
     assert!(message.contains(&*directory.to_string_lossy()), "no name in `{message}`");
     message
 }

@@ -49,7 +49,7 @@ fn the_format_is_that_of_its_version() {
     let mut simulation = Simulation::resume_with(&scene, &checkpoint.world, OutputPlugin).unwrap();
     assert!(bytes(&simulation.state().unwrap()) == bytes(&checkpoint.world));
     // It is written again to the same bytes: every entry was read.
-    checkpoint.write(parent.path()).unwrap();
+    checkpoint.write(parent.path(), directory::CHECKPOINT).unwrap();
     let again = fs::read(parent.path().join(directory::CHECKPOINT)).unwrap();
     assert!(again == fs::read(stored()).unwrap());
 }

@@ -1,17 +1,13 @@
 //! The results of a sweep as tables and as a page.
 
-use std::fs::{File, OpenOptions};
-use std::path::Path;
-
-use crate::output::OutputError;
 use crate::output::directory;
 use crate::output::marks::marks;
 #[cfg(feature = "report")]
 use crate::output::report;
-use crate::scene::shown::label;
+use crate::scene::shown;
 #[cfg(feature = "report")]
 use crate::study::PlannedRun;
-use crate::study::{means, table};
+use crate::study::{means, planned, table};
 
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure, say};
@@ -26,11 +22,13 @@ const LOCK: &str = "study.lock";
 pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let Sweep { plan, folder, .. } = sweep;
     // Two sweeps in one folder may end at the same moment: one writes after the other.
-    let _turn = turn(&folder.join(LOCK))?;
+    let lock = directory::open_lock(&folder.join(LOCK))?;
+    // A file system without locks has no other holder to wait for.
+    let _ = lock.lock();
     let records = table::records(plan, folder);
     let path = folder.join(table::FILE);
     table::write(&path, plan, &records)?;
-    say(label(&sweep.title))?;
+    say(shown::label(&sweep.title))?;
     say(format_args!("written: {}", path.display()))?;
     average(sweep, &records)?;
     draw(sweep, &records)?;
@@ -48,26 +46,11 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let failed = records.iter().any(|record| {
         matches!(record["outcome"]["status"].as_str(), Some("undecided" | "refused"))
     });
-    Ok(if failed {
-        Exit::Solver
-    } else if missing > 0 {
-        Exit::Files
-    } else {
-        Exit::Ok
+    Ok(match (failed, missing) {
+        (true, _) => Exit::Solver,
+        (false, 0) => Exit::Ok,
+        (false, _) => Exit::Files,
     })
-}
-
-/// Waits for the lock of the results. It is held until the file is dropped.
-fn turn(path: &Path) -> Result<File, OutputError> {
-    let file = OpenOptions::new()
-        .create(true)
-        .truncate(false)
-        .write(true)
-        .open(path)
-        .map_err(OutputError::at(path))?;
-    // A file system without locks has no other holder to wait for.
-    let _ = file.lock();
-    Ok(file)
 }
 
 /// Writes and prints the means, if the study asks for them.
@@ -83,8 +66,7 @@ fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> 
     say(format_args!("written: {}", path.display()))?;
     let peak = table::RESULTS.iter().position(|name| *name == "peak_stress_pa");
     for group in &groups {
-        let values = names.iter().zip(&group.values).filter(|(_, value)| !value.is_empty());
-        let label: Vec<_> = values.map(|(name, value)| format!("{name} {value}")).collect();
+        let label = planned::label(&names, &group.values);
         let spread = peak.map(|peak| group.results[peak]).unwrap_or_default();
         let stress = match (spread.mean, spread.deviation) {
             (Some(mean), Some(sd)) => {
@@ -98,7 +80,7 @@ fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> 
             0 => String::new(),
             n => format!("; {n} with marks left out"),
         };
-        say(format_args!("  {}: {stress}, {} runs{marked}", label.join(", "), group.runs))?;
+        say(format_args!("  {label}: {stress}, {} runs{marked}", group.runs))?;
     }
     Ok(())
 }

@@ -44,7 +44,12 @@ pub fn run_all(
     let cores = thread::available_parallelism().map_or(1, NonZero::get);
     let jobs = jobs.map_or(cores, |jobs| jobs as usize);
     let program = match words {
-        [] => vec![itself()?],
+        [] => {
+            let itself = env::current_exe().map_err(|error| {
+                Failure::new(Exit::Files, format_args!("cannot find the program itself: {error}"))
+            })?;
+            vec![itself.into_os_string()]
+        }
         words => words.to_vec(),
     };
     let interrupt = Interrupt::listen();
@@ -92,7 +97,10 @@ pub fn run_all(
                     }
                     show.done(sweep, process.task, (!status.success()).then_some(said));
                 }
-                Err(error) => return Err(files(format!("cannot wait for a run: {error}"))),
+                Err(error) => {
+                    let message = format_args!("cannot wait for a run: {error}");
+                    return Err(Failure::new(Exit::Files, message));
+                }
             }
         }
         running = still;
@@ -101,14 +109,6 @@ pub fn run_all(
     }
     show.end();
     Ok(interrupt.requested())
-}
-
-/// Path of this executable.
-fn itself() -> Result<OsString, Failure> {
-    let program = env::current_exe();
-    let program =
-        program.map_err(|error| files(format!("cannot find the program itself: {error}")))?;
-    Ok(program.into_os_string())
 }
 
 /// The runs, after the preparations that they need.
@@ -128,8 +128,4 @@ fn ask_to_stop(child: &Child) {
     }
     #[cfg(not(unix))]
     let _ = child;
-}
-
-fn files(message: String) -> Failure {
-    Failure { exit: Exit::Files, message }
 }

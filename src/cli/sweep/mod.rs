@@ -25,7 +25,7 @@ use super::resolve::resolve;
 
 impl From<StudyError> for Failure {
     fn from(error: StudyError) -> Self {
-        Self { exit: Exit::Scene, message: error.to_string() }
+        Self::new(Exit::Scene, error)
     }
 }
 
@@ -50,7 +50,7 @@ pub fn sweep(args: &SweepArgs, words: &[OsString], app: &App) -> Result<Exit, Fa
     }
     if let Some(n) = args.only.filter(|n| *n as usize > sweep.plan.runs.len()) {
         let message = format!("--only {n}: the study has {} runs", sweep.plan.runs.len());
-        return Err(Failure { exit: Exit::Usage, message });
+        return Err(Failure::new(Exit::Usage, message));
     }
     fs::create_dir_all(&sweep.folder).map_err(OutputError::at(&sweep.folder))?;
     let wanted: Vec<usize> = match args.only {
@@ -65,9 +65,9 @@ pub fn sweep(args: &SweepArgs, words: &[OsString], app: &App) -> Result<Exit, Fa
 
 /// Reads a study and checks each of its runs.
 fn read(file: &Path, out: Option<&Path>, app: &App) -> Result<Sweep, Failure> {
-    let text = fs::read_to_string(file).map_err(|error| Failure {
-        exit: Exit::Files,
-        message: format!("{}: cannot read the study: {error}", file.display()),
+    let text = fs::read_to_string(file).map_err(|error| {
+        let file = file.display();
+        Failure::new(Exit::Files, format_args!("{file}: cannot read the study: {error}"))
     })?;
     let study = Study::read(&text, file)?;
     let plan = plan(&study, file, |wanted| load(wanted, file, app))?;

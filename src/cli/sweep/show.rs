@@ -2,13 +2,13 @@
 //! ended otherwise.
 
 use std::fs;
-use std::io::IsTerminal;
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::ProgressBar;
 
 use super::Sweep;
 use super::task::Task;
 use crate::cli::exit::complain;
+use crate::cli::progress::bar;
 use crate::output::directory;
 
 /// Progress of a sweep.
@@ -22,15 +22,8 @@ pub struct Show {
 impl Show {
     /// Progress of `total` runs, of which nothing is shown if `quiet`, apart from failures.
     pub fn new(quiet: bool, total: usize) -> Self {
-        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
-            let bar = ProgressBar::new(total as u64);
-            if let Ok(style) =
-                ProgressStyle::with_template("[{bar:24}] {pos}/{len} runs, {elapsed}{msg}")
-            {
-                bar.set_style(style.progress_chars("=> "));
-            }
-            bar
-        });
+        let bar = bar(quiet, "[{bar:24}] {pos}/{len} runs, {elapsed}{msg}");
+        bar.iter().for_each(|bar| bar.set_length(total as u64));
         Self { bar, quiet, done: 0, total }
     }
 
@@ -70,9 +63,7 @@ impl Show {
 
     /// Takes the bar away.
     pub fn end(self) {
-        if let Some(bar) = self.bar {
-            bar.finish_and_clear();
-        }
+        self.bar.iter().for_each(ProgressBar::finish_and_clear);
     }
 }
 

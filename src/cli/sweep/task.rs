@@ -1,14 +1,13 @@
 //! A run of a sweep as a process: what is to be done for it, and its start.
 
 use std::ffi::OsString;
-use std::fs::{File, OpenOptions};
+use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure};
-use crate::output::OutputError;
-use crate::output::directory::{self, lock};
+use crate::output::directory::{self, lock, open_lock};
 use crate::study::plan::state_at;
 use crate::study::planned::{PlannedRun, Start};
 
@@ -36,38 +35,10 @@ pub enum Begun {
     Runs(Child, File),
 }
 
-/// Action that a run needs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Todo {
-    /// It is done.
-    Nothing,
-    /// It begins.
-    Begin,
-    /// It continues from its checkpoint.
-    Resume,
-    /// Another process runs it.
-    Wait,
-}
-
-/// The action that the run in a directory needs.
-fn todo(directory: &Path) -> Todo {
-    let history = directory.join(directory::HISTORY);
-    if File::open(history).is_ok_and(|history| !lock(&history)) {
-        return Todo::Wait;
-    }
+/// How the run in a directory ended, as `run.json` has it.
+fn status(directory: &Path) -> String {
     let record = directory::record(directory).unwrap_or_default();
-    match record["outcome"]["status"].as_str() {
-        // The same run would end in the same way.
-        Some("completed" | "collapsed" | "undecided" | "refused") => Todo::Nothing,
-        _ if directory.join(directory::CHECKPOINT).exists() => Todo::Resume,
-        _ => Todo::Begin,
-    }
-}
-
-/// Whether the run in a directory ended as planned.
-fn is_complete(directory: &Path) -> bool {
-    let record = directory::record(directory).unwrap_or_default();
-    matches!(record["outcome"]["status"].as_str(), Some("completed" | "collapsed"))
+    record["outcome"]["status"].as_str().unwrap_or_default().to_owned()
 }
 
 impl Sweep {
@@ -112,42 +83,36 @@ impl Sweep {
     pub fn begin(&self, task: Task, program: &[OsString]) -> Result<Begun, Failure> {
         let planned = self.planned(task);
         let directory = self.directory(task);
-        let path = self.folder.join(format!("{}.lock", planned.directory));
-        let guard = OpenOptions::new()
-            .create(true)
-            .truncate(false)
-            .write(true)
-            .open(&path)
-            .map_err(OutputError::at(&path))?;
-        if !lock(&guard) {
+        let guard = open_lock(&self.folder.join(format!("{}.lock", planned.directory)))?;
+        let history = || File::open(directory.join(directory::HISTORY));
+        if !lock(&guard) || history().is_ok_and(|history| !lock(&history)) {
             return Ok(Begun::Busy);
+        }
+        // The same run would end in the same way.
+        if ["completed", "collapsed", "undecided", "refused"].contains(&&*status(&directory)) {
+            return Ok(Begun::Done);
         }
         let mut command = Command::new(&program[0]);
         command.args(&program[1..]);
-        match todo(&directory) {
-            Todo::Nothing => return Ok(Begun::Done),
-            Todo::Wait => return Ok(Begun::Busy),
-            Todo::Resume => {
-                command.arg("resume").arg(&directory);
+        if directory.join(directory::CHECKPOINT).exists() {
+            command.arg("resume").arg(&directory);
+        } else {
+            command.arg("run").arg(scene(&planned.scene));
+            command.args(["--force", "--out"]).arg(&directory);
+            for set in &planned.sets {
+                command.arg("--set").arg(set);
             }
-            Todo::Begin => {
-                command.arg("run").arg(scene(&planned.scene));
-                command.args(["--force", "--out"]).arg(&directory);
-                for set in &planned.sets {
-                    command.arg("--set").arg(set);
+            if let Some(start) = &planned.start {
+                let preparation = Task::Prepare(start.preparation);
+                let (what, from) = (self.label(preparation), self.directory(preparation));
+                if !["completed", "collapsed"].contains(&&*status(&from)) {
+                    return Ok(Begun::Impossible(format!("{what} was not completed")));
                 }
-                if let Some(start) = &planned.start {
-                    let preparation = Task::Prepare(start.preparation);
-                    let what = self.label(preparation);
-                    if !is_complete(&self.directory(preparation)) {
-                        return Ok(Begun::Impossible(format!("{what} was not completed")));
-                    }
-                    if !self.directory(preparation).join(&start.file).exists() {
-                        let message = format!("{what} has left no `{}`", start.file);
-                        return Ok(Begun::Impossible(message));
-                    }
-                    command.arg("--set").arg(state_at(&self.state(start, &planned.scene)));
+                if !from.join(&start.file).exists() {
+                    let message = format!("{what} has left no `{}`", start.file);
+                    return Ok(Begun::Impossible(message));
                 }
+                command.arg("--set").arg(state_at(&self.state(start, &planned.scene)));
             }
         }
         command
@@ -155,9 +120,8 @@ impl Sweep {
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
-        let child = command.spawn().map_err(|error| Failure {
-            exit: Exit::Files,
-            message: format!("cannot begin a run: {error}"),
+        let child = command.spawn().map_err(|error| {
+            Failure::new(Exit::Files, format_args!("cannot begin a run: {error}"))
         })?;
         Ok(Begun::Runs(child, guard))
     }

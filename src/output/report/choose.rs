@@ -1,11 +1,10 @@
 //! Selects the frames of a page: all of them, or the most informative ones of a longer run.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::frames::{self, Frame};
-use crate::output::{OutputError, names};
+use crate::output::{OutputError, directory};
 
 use super::run::Run;
 
@@ -27,18 +26,17 @@ pub struct File {
 
 /// Frames of a run in the order of increments, one for each.
 pub fn files(directory: &Path) -> Result<Vec<File>, OutputError> {
-    let failed = |error| OutputError::at(directory)(io::Error::other(error));
     let mut files: Vec<File> = Vec::new();
-    for path in frames::list(directory).map_err(failed)? {
+    for path in frames::list(directory)? {
         let name = path.file_stem().and_then(|name| name.to_str()).unwrap_or_default();
         let number = name.strip_prefix("frame_").and_then(|number| number.parse().ok());
         let increment = match number {
             Some(number) => number,
-            None => Frame::read(&path).map_err(failed)?.increment,
+            None => Frame::read(&path)?.increment,
         };
-        let always = [names::FRAME_START, names::FRAME_PEAK, names::FRAME_END];
+        let always = [directory::FRAME_START, directory::FRAME_PEAK, directory::FRAME_END];
         let is_always = path.file_name().is_some_and(|name| always.iter().any(|n| name == *n));
-        let is_start = path.ends_with(names::FRAME_START);
+        let is_start = path.ends_with(directory::FRAME_START);
         files.push(File { increment, is_always, is_start, path });
     }
     files.sort_by_key(|file| file.increment);

@@ -7,7 +7,6 @@
 //! frames from one whole frame to the next.
 
 use std::collections::BTreeSet;
-use std::io;
 
 use glam::DVec2;
 use serde_json::{Value, json};
@@ -45,11 +44,7 @@ struct Rows {
 impl Movie {
     /// Reads frames; `None` if there are none.
     pub fn read(files: &[File]) -> Result<Option<Self>, OutputError> {
-        let mut frames = Vec::new();
-        for file in files {
-            let frame = Frame::read(&file.path);
-            frames.push(frame.map_err(|e| OutputError::at(&file.path)(io::Error::other(e)))?);
-        }
+        let frames = files.iter().map(|file| Frame::read(&file.path)).collect::<Result<_, _>>()?;
         let start = files.iter().position(|file| file.is_start).unwrap_or(0);
         Ok(Self::of(frames, start))
     }

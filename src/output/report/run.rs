@@ -6,11 +6,11 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use crate::history_columns;
 use crate::output::drive::Drive;
-use crate::output::history::{COLUMNS, ENERGY_COLUMNS};
 use crate::output::marks::marks;
 use crate::output::read_history::{History, TestPoint};
-use crate::output::{OutputError, avalanches, directory, events, names};
+use crate::output::{OutputError, directory};
 
 /// Columns of texts.
 const TEXTS: [&str; 4] = ["stage", "status", "caps", "mode"];
@@ -29,18 +29,16 @@ impl Run {
     /// Reads a run.
     pub fn read(name: &str, path: &Path) -> Result<Self, OutputError> {
         let record = directory::record(path)?;
-        let scene_file = path.join(names::SCENE);
+        let scene_file = path.join(directory::SCENE);
         let scene = fs::read_to_string(&scene_file).map_err(OutputError::at(&scene_file))?;
         // Columns of probes have a dot in their names.
-        let history = table(&path.join(names::HISTORY), |name| !name.contains('.'))?;
-        let is_further = |name: &str| !COLUMNS.contains(&name) && !ENERGY_COLUMNS.contains(&name);
-        let measures: Vec<_> = history.keys().filter(|name| is_further(name)).cloned().collect();
-        let broken = table(&path.join(names::EVENTS), |name| {
-            events::COLUMNS.contains(&name) && !name.starts_with("normal") && name != "stage"
+        let history = table(&path.join(directory::HISTORY), |name| !name.contains('.'))?;
+        let measures: Vec<_> =
+            history.keys().filter(|name| !history_columns::has(name)).cloned().collect();
+        let broken = table(&path.join(directory::EVENTS), |name| {
+            !name.starts_with("normal") && name != "stage"
         })?;
-        let released = table(&path.join(names::AVALANCHES), |name| {
-            avalanches::COLUMNS.contains(&name) && name != "stage"
-        })?;
+        let released = table(&path.join(directory::AVALANCHES), |name| name != "stage")?;
         let numbers = |table: &Map<String, Value>, name: &str| -> Vec<Option<f64>> {
             let column = table.get(name).and_then(Value::as_array);
             column.map(|values| values.iter().map(Value::as_f64).collect()).unwrap_or_default()

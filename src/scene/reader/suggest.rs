@@ -7,7 +7,7 @@ const ALIKE: f64 = 0.6;
 const MAX_NAMES: usize = 12;
 
 /// The candidate that is most similar to a word, if any is similar enough.
-pub(in crate::scene) fn nearest<'a>(
+pub(crate) fn nearest<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<&'a str> {

@@ -9,7 +9,7 @@ use super::parts::one_piece;
 use super::places::{are_alike, are_opposite, distance, length};
 use super::references::index_exists;
 use super::select::select;
-use crate::history_columns::{COLUMNS, ENERGY_COLUMNS};
+use crate::history_columns;
 
 pub(super) fn check(at: &mut At) {
     let context = at.context;
@@ -28,8 +28,7 @@ pub(super) fn check(at: &mut At) {
         if role.is_some() && at.is_sure("of") {
             names_a_role(at, name, of);
         }
-        let mut columns = COLUMNS.iter().chain(&ENERGY_COLUMNS);
-        if role.is_none() && columns.any(|column| *column == *name) {
+        if role.is_none() && history_columns::has(name) {
             let message = format!("the history has a column of this name (`{name}`)");
             at.add("name", message, "give another name");
         }
