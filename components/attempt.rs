@@ -1,8 +1,6 @@
 //! The attempts at one increment: what they seek, their verdicts, and the status of the increment.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 use crate::motion::Motion;

@@ -1,8 +1,6 @@
 //! A periodic cell: the specimen repeats along two vectors, and no wall holds it.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use clastic_cone::program::ProgramCell;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,6 @@
 //! Tables of bodies and potential contacts.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
 use crate::body::{BodyDrive, BodyId, Ramp};

@@ -1,8 +1,6 @@
 //! The energy ledger of a run.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 /// Energy balance of an increment, or of several, J.

@@ -2,8 +2,6 @@
 //! reads them. All are cleared when the next increment begins.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
 use crate::bond::Rupture;

@@ -2,8 +2,6 @@
 //! the readings of the last increment.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

@@ -16,8 +16,6 @@ use bevy_app::{
     RunFixedMainLoop, RunFixedMainLoopSystems, Update,
 };
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use bevy_ecs::schedule::{
     InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
 };
