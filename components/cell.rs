@@ -153,9 +153,7 @@ impl PeriodicCell {
             height: self.height + yy * self.height,
             tilt: self.tilt + xx * self.tilt + xy * self.height,
             shear: self.shear + xy,
-            stress: self.stress,
-            controls: self.controls,
-            by_mean: self.by_mean,
+            ..*self
         }
     }
 
