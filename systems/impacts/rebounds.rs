@@ -83,7 +83,6 @@ pub fn assemble_rebounds(
         touched[c.a as usize] += 1;
         touched[c.b as usize] += 1;
     }
-    let first_group = bodies.positions.len() - bodies.group_count;
     let ConeProgram { bodies: rows, interactions, .. } = &mut *program;
     for (k, (contact, c)) in contacts.0.iter().zip(interactions).enumerate() {
         let is_free = |body: u32| rows[body as usize].is_free();
@@ -96,7 +95,7 @@ pub fn assemble_rebounds(
         }
         let own = u32::from(near[k]);
         // A group moves on no parabola: its impacts are those of bodies that touch others.
-        let is_group = |body: u32| body as usize >= first_group;
+        let is_group = |body: u32| body as usize >= bodies.first_group();
         let is_alone =
             |body: u32| !is_group(body) && (!is_free(body) || touched[body as usize] == own);
         let free_closing = x.free_closing(dt);
