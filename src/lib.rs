@@ -58,7 +58,6 @@ use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use clastic_systems::assemble_program::AssembleProgramPlugin;
 use clastic_systems::assign_identities::AssignIdentitiesPlugin;
 use clastic_systems::attempt::AttemptPlugin;
-use clastic_systems::control_loads::ControlLoadsPlugin;
 use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
 use clastic_systems::energy_ledger::EnergyLedgerPlugin;
@@ -74,7 +73,6 @@ use clastic_systems::schedule::SchedulePlugin;
 use clastic_systems::solve_program::SolveProgramPlugin;
 use clastic_systems::step_control::StepControlPlugin;
 use clastic_systems::stepping::SteppingPlugin;
-use clastic_systems::trial_loads::TrialLoadsPlugin;
 use clastic_systems::update_state::UpdateStatePlugin;
 
 /// All plugins that an increment needs. The `clastic` program uses the same group as an embedding
@@ -115,7 +113,6 @@ impl PluginGroup for ClasticPlugins {
             .add(SteppingPlugin { schedule: self.schedule })
             .add(AssignIdentitiesPlugin)
             .add(GatherBodiesPlugin)
-            .add(TrialLoadsPlugin)
             .add(DetectContactsPlugin)
             .add(AssembleProgramPlugin)
             .add(SolveProgramPlugin)
@@ -125,7 +122,6 @@ impl PluginGroup for ClasticPlugins {
             .add(RuptureBondsPlugin)
             .add(EnergyLedgerPlugin)
             .add(ControlWallsPlugin)
-            .add(ControlLoadsPlugin)
             .add(MembranesPlugin)
             .add(LinksPlugin)
             .add(RecordPlugin)

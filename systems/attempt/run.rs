@@ -9,16 +9,17 @@ use clastic_components::findings::{
     AddedPairs, BestUnconverged, EventSearch, Restraints, Ruptures, Sliding,
 };
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::loads::TrialLoads;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::motion;
 use super::next::{Budget, Next, next};
+use crate::check_values::refused_load;
 use crate::control_walls::renew_stresses;
 use crate::mechanism::share;
 use crate::motion_settings::MotionSettings;
 use crate::rupture::events;
-use crate::schedule::{AttemptIncrement, ClasticHalted};
-use crate::trial_loads::ask_for_loads;
+use crate::schedule::{AddTrialLoads, AttemptIncrement, ClasticHalted};
 
 /// Runs [`AttemptIncrement`] until the increment has ended.
 pub fn run_attempts(world: &mut World) {
@@ -244,7 +245,8 @@ fn budget(world: &World) -> Budget {
     }
 }
 
-/// Begins a trial: another fraction of the increment, or other positions of the bodies.
+/// Begins a trial: another fraction of the increment, or other positions of the bodies. Asks for the
+/// loads of an embedding program; one without a meaning halts the world.
 fn open_trial(world: &mut World) {
     if world.resource::<BodyTable>().drives_stopped {
         world.resource_scope(|world, mut bodies: Mut<BodyTable>| {
@@ -252,7 +254,11 @@ fn open_trial(world: &mut World) {
             renew_stresses(&mut bodies, table_of, world.resource(), world.resource());
         });
     }
-    ask_for_loads(world);
+    world.resource_mut::<TrialLoads>().clear();
+    world.run_schedule(AddTrialLoads);
+    if let Some(message) = refused_load(world.resource(), world.resource()) {
+        world.insert_resource(ClasticHalted(message));
+    }
 }
 
 /// Seeks the equilibrium from the current positions.
