@@ -32,6 +32,7 @@ pub mod rigid_groups;
 pub mod rupture;
 pub mod schedule;
 pub mod solve_program;
+pub mod solved;
 pub mod state;
 pub mod step_control;
 pub mod stepping;

@@ -38,8 +38,7 @@ pub fn judge(
     let Some(grains) = loose(&bodies, &far) else { return };
     attempt.verdict = Verdict::Loose;
     if !may_begin(&attempt, &acceptance, &settings) {
-        let forces = draft.0.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
-        let grains = carry_themselves(&bodies, &grains, forces).unwrap_or_default();
+        let grains = carry_themselves(&bodies, &grains, draft.0.sizes()).unwrap_or_default();
         if grains.iter().any(|i| !bodies.set_aside[*i]) {
             grains.iter().for_each(|i| bodies.set_aside[*i] = true);
             attempt.verdict = Verdict::Again;

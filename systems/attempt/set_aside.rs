@@ -4,18 +4,15 @@
 
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
 use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{Acceptance, ClasticAnalysis};
+use clastic_components::contact::BodyTable;
 use clastic_components::wall_shape::WallShape;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::loose_grains::loose;
-use super::motion::has_step;
-use crate::assemble_program::regularise::MIN_LOAD;
+use crate::assemble_program::regularise::loaded_pairs;
 use crate::measures::fragments::fragments;
 use crate::motion_settings::MotionSettings;
+use crate::solved::Solved;
 
 /// Part of [`MotionSettings::max_travel`] through which loose grains are followed. The rest is left
 /// for other motions of the increment.
@@ -34,28 +31,24 @@ pub(super) enum Lost {
     Grains(Vec<usize>),
 }
 
-/// Tells what still moves in a step of a motion that has `travelled` this many radii.
-pub(super) fn lost(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    (program, solution): (&ConeProgram, &ConeSolution),
-    analysis: &ClasticAnalysis,
-    (acceptance, settings): (&Acceptance, &MotionSettings),
-    attempt: &Attempt,
-    travelled: f64,
-) -> Lost {
+/// Whether loose grains are followed further in a motion that has `travelled` this many radii.
+pub(super) fn may_fall(travelled: f64, settings: &MotionSettings) -> bool {
+    travelled <= FOLLOWED * settings.max_travel
+}
+
+/// Tells what still moves in a step of a motion, which may go on where nothing but loose grains does.
+pub(super) fn lost(solved: Solved, gravity: DVec2, goes_on: bool) -> Lost {
+    let Solved { bodies, solution, .. } = solved;
     let mut far: Vec<f64> = solution.displacements.iter().map(|u| u[0].hypot(u[1])).collect();
     far.truncate(bodies.positions.len());
-    let listed = contacts.0.iter().zip(&solution.forces);
+    let listed = solved.contacts.0.iter().zip(&solution.forces);
     let forces = listed.map(|(c, f)| (c.a, c.b, f[0].abs().max(f[1].abs())));
     let Some(grains) =
         loose(bodies, &far).and_then(|grains| carry_themselves(bodies, &grains, forces))
     else {
         return Lost::Specimen;
     };
-    let goes_on =
-        travelled <= FOLLOWED * settings.max_travel && has_step(attempt, acceptance, settings);
-    if goes_on && !have_left(bodies, program, analysis.gravity, &grains) {
+    if goes_on && !have_left(bodies, gravity, &grains) {
         Lost::Falling
     } else {
         Lost::Grains(grains)
@@ -85,10 +78,8 @@ pub(super) fn carry_themselves(
     if 2 * gone > n || on_wall || all.iter().any(|i| held(*i) || bodies.has_load(*i)) {
         return None;
     }
-    let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
     let of = |body: u32| fragments.get(body as usize).filter(|_| moves[body as usize]);
-    let mut forces = forces.filter(|f| f.2 > threshold);
-    let bears = forces.any(|(a, b, _)| match (of(a), of(b)) {
+    let bears = loaded_pairs(forces).any(|(a, b)| match (of(a), of(b)) {
         (Some(a), Some(b)) => a != b,
         (Some(root), None) | (None, Some(root)) => sizes[*root as usize] > 1,
         (None, None) => false,
@@ -97,9 +88,9 @@ pub(super) fn carry_themselves(
 }
 
 /// Whether the grains have left the specimen: along their weight, everything else lies behind them.
-fn have_left(bodies: &BodyTable, program: &ConeProgram, gravity: DVec2, grains: &[usize]) -> bool {
+fn have_left(bodies: &BodyTable, gravity: DVec2, grains: &[usize]) -> bool {
     let down = gravity.normalize_or_zero();
-    if down == DVec2::ZERO || program.cell.is_some() {
+    if down == DVec2::ZERO || bodies.cell.is_some() {
         return false;
     }
     let n = bodies.particles;

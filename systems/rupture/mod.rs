@@ -7,4 +7,3 @@ pub mod dense;
 pub mod density;
 pub mod event_search;
 pub mod events;
-pub mod one_round;
