@@ -18,7 +18,7 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
-use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed, Restraints};
+use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
@@ -76,7 +76,6 @@ pub struct Found<'w> {
     corrections: Res<'w, Corrections>,
     pushed: Res<'w, Pushed>,
     search: Res<'w, EventSearch>,
-    restraints: Res<'w, Restraints>,
     centre: Res<'w, Centre>,
 }
 

@@ -53,7 +53,7 @@ pub(super) fn regularise(
     };
     // Counting misses mechanisms whose constraints are in the wrong places. Bodies without load in
     // the last increment, or in a rejected solution of this one, may be part of a mechanism.
-    let bearing = |i: usize| found.restraints.bearing.get(i).copied().unwrap_or_default();
+    let bearing = |i: usize| attempt.bearing.get(i).copied().unwrap_or_default();
     if !history.0.is_empty() {
         for (i, loaded) in find_loaded(bodies.particles, history.sizes()).into_iter().enumerate() {
             regularised[i] |= !loaded && bearing(i) != Bearing::Load;

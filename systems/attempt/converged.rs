@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconverged};
+use clastic_components::findings::{Centre, Corrections, Unconverged};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
@@ -29,14 +29,13 @@ pub fn judge(
     contacts: Res<ContactTable>,
     mut centre: ResMut<Centre>,
     mut corrections: ResMut<Corrections>,
-    mut best: ResMut<BestUnconverged>,
     mut attempt: ResMut<Attempt>,
 ) {
     let solution = &mut *solution;
     let solved = Solved { bodies: &bodies, contacts: &contacts, program: &program, solution };
     let seeks_equilibrium = matches!(attempt.mode, Mode::Equilibrium(_));
     if solution.status == SolveStatus::Stalled && seeks_equilibrium {
-        keep_best(solved, &mut best);
+        keep_best(solved, &mut attempt.best);
     }
     let is_static = analysis.kind == AnalysisKind::Static;
     attempt.verdict = match solution.status {
@@ -71,11 +70,11 @@ pub fn judge(
                 centre.place.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let verdict = Verdict::Unconverged(complaint(&best, &acceptance));
+                let verdict = Verdict::Unconverged(complaint(&attempt.best, &acceptance));
                 impossible_or(&program, solution, verdict)
             }
         }
-        SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
+        SolveStatus::Stalled => Verdict::Unconverged(complaint(&attempt.best, &acceptance)),
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
     let in_pass = fails && corrections.passes > 0;
@@ -144,11 +143,11 @@ fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Accept
 
 /// Keeps the residuals of the solution with the smallest error in the increment. Regularised
 /// attempts contain a bias, so later attempts may have larger residuals than the first.
-fn keep_best(solved: Solved, best: &mut BestUnconverged) {
+fn keep_best(solved: Solved, best: &mut Option<Unconverged>) {
     let residuals = solved.solution.residuals;
     let worst = residuals.worst();
-    if best.0.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
-        best.0 = Some(Unconverged {
+    if best.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
+        *best = Some(Unconverged {
             residuals,
             place: worst_place(solved),
             message: solved.solution.message.clone(),
@@ -180,8 +179,8 @@ fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f6
     (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }
 
-fn complaint(best: &BestUnconverged, acceptance: &Acceptance) -> String {
-    let Some(best) = &best.0 else { return "no solution was found".to_owned() };
+fn complaint(best: &Option<Unconverged>, acceptance: &Acceptance) -> String {
+    let Some(best) = best else { return "no solution was found".to_owned() };
     let (r, place, message) = (best.residuals, &best.place, &best.message);
     format!(
         "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \

@@ -29,8 +29,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
-    AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Reached, Restraints,
-    Ruptures,
+    AddedPairs, Centre, Corrections, EventSearch, Pushed, Reached, Ruptures,
 };
 use clastic_components::increment::{
     Acceptance, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
@@ -64,9 +63,7 @@ impl Plugin for AttemptPlugin {
             .init_resource::<ending::Stiffness>()
             .init_resource::<Pushed>()
             .init_resource::<Reached>()
-            .init_resource::<Restraints>()
             .init_resource::<Centre>()
-            .init_resource::<BestUnconverged>()
             .init_resource::<EventSearch>()
             .init_resource::<MotionEnergies>()
             .init_resource::<Acceptance>()

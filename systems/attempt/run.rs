@@ -5,9 +5,7 @@ use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::MotionEnergies;
-use clastic_components::findings::{
-    AddedPairs, BestUnconverged, EventSearch, Restraints, Ruptures, Sliding,
-};
+use clastic_components::findings::{AddedPairs, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -206,10 +204,8 @@ fn undo(world: &mut World, start: Option<Start>) {
 fn begin_increment(world: &mut World) {
     world.insert_resource(Attempt::default());
     world.insert_resource(AddedPairs::default());
-    world.insert_resource(Restraints::default());
     world.insert_resource(MotionEnergies::default());
     world.insert_resource(Ruptures::default());
-    world.insert_resource(BestUnconverged::default());
     world.insert_resource(Sliding::default());
     motion::forget_passes(world);
     let mut progress = world.resource_mut::<ClasticProgress>();
@@ -293,7 +289,7 @@ fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Star
         }
     }
     if status == IncrementStatus::Undecided
-        && let Some(best) = world.resource_mut::<BestUnconverged>().0.take()
+        && let Some(best) = world.resource_mut::<Attempt>().best.take()
     {
         world.resource_mut::<ConeSolution>().residuals = best.residuals;
     }

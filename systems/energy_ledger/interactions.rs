@@ -32,19 +32,6 @@ pub struct Tables<'a> {
     pub cell_loads: [Ramp; 3],
 }
 
-impl Tables<'_> {
-    /// Distance of the centres of a particle and of the nearest image of another at the end, m.
-    fn distance(&self, a: usize, b: usize) -> f64 {
-        let apart = self.end[b] - self.end[a];
-        self.end_cell.map_or(apart, |cell| apart + cell.shift(apart)).length()
-    }
-
-    /// Rotation of a wall in the increment, rad.
-    fn turned(&self, wall: usize) -> f64 {
-        self.solved.solution.displacements.get(wall).map_or(0.0, |u| u[2])
-    }
-}
-
 /// An interaction of the program with its stored energy.
 pub struct Part<'a> {
     /// Index among the interactions.
@@ -219,19 +206,20 @@ fn part<'a>(
 
 /// Gap of a contact at the end, m.
 pub fn gap_at(tables: &Tables, contact: &Contact) -> f64 {
-    let (bodies, positions) = (tables.solved.bodies, tables.end);
+    let Solved { bodies, solution, .. } = tables.solved;
     let (a, b) = (contact.a as usize, contact.b as usize);
-    match bodies.radii.get(b) {
-        Some(radius) => tables.distance(a, b) - bodies.radii[a] - radius,
-        None => match bodies.wall(contact.b) {
-            Some(wall) if !wall.is_line() || tables.turned(b) != 0.0 => {
-                let near = wall.turned(tables.turned(b)).nearest(positions[b], positions[a]);
-                near.distance - bodies.radii[a]
-            }
-            // The normal of a wall contact points from the particle to the wall.
-            _ => (positions[b] - positions[a]).dot(contact.normal) - bodies.radii[a],
-        },
+    let apart = tables.end[b] - tables.end[a];
+    if let Some(radius) = bodies.radii.get(b) {
+        let way = tables.end_cell.map_or(apart, |cell| apart + cell.shift(apart));
+        return way.length() - bodies.radii[a] - radius;
     }
+    let turned = solution.displacements.get(b).map_or(0.0, |u| u[2]);
+    let distance = match bodies.wall(contact.b).filter(|wall| !wall.is_line() || turned != 0.0) {
+        Some(wall) => wall.turned(turned).nearest(tables.end[b], tables.end[a]).distance,
+        // The normal of a wall contact points from the particle to the wall.
+        None => apart.dot(contact.normal),
+    };
+    distance - bodies.radii[a]
 }
 
 /// Elastic energy of the normal force at a gap relative to the stress-free state, J. A contact
