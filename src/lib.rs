@@ -55,6 +55,7 @@ pub mod tables;
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 
+use clastic_systems::announce::AnnouncePlugin;
 use clastic_systems::assemble_program::AssembleProgramPlugin;
 use clastic_systems::assign_identities::AssignIdentitiesPlugin;
 use clastic_systems::attempt::AttemptPlugin;
@@ -62,12 +63,10 @@ use clastic_systems::control_walls::ControlWallsPlugin;
 use clastic_systems::detect_contacts::DetectContactsPlugin;
 use clastic_systems::energy_ledger::EnergyLedgerPlugin;
 use clastic_systems::gather_bodies::GatherBodiesPlugin;
-use clastic_systems::impacts::announce::AnnounceCollisionsPlugin;
 use clastic_systems::links::LinksPlugin;
 use clastic_systems::material_names::MaterialNamesPlugin;
 use clastic_systems::membranes::MembranesPlugin;
 use clastic_systems::record::RecordPlugin;
-use clastic_systems::rupture::announce::AnnounceRupturesPlugin;
 use clastic_systems::rupture::bonds::RuptureBondsPlugin;
 use clastic_systems::schedule::SchedulePlugin;
 use clastic_systems::solve_program::SolveProgramPlugin;
@@ -125,8 +124,7 @@ impl PluginGroup for ClasticPlugins {
             .add(MembranesPlugin)
             .add(LinksPlugin)
             .add(RecordPlugin)
-            .add(AnnounceRupturesPlugin)
-            .add(AnnounceCollisionsPlugin)
+            .add(AnnouncePlugin)
             .add(MaterialNamesPlugin);
         #[cfg(feature = "reflect")]
         let engine = engine.add(clastic_systems::reflect::ReflectPlugin);

@@ -3,6 +3,7 @@
 //! bonds, record. An attempt detects contacts, assembles the cone program, solves it, and judges
 //! the solution. See [`schedule`].
 
+pub mod announce;
 pub mod assemble_program;
 pub mod assign_identities;
 pub mod attempt;

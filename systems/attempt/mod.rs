@@ -19,7 +19,6 @@ pub mod loose_grains;
 pub mod motion;
 pub mod next;
 mod run;
-pub mod set_aside;
 pub mod through_walls;
 pub mod too_far;
 

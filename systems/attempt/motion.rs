@@ -29,7 +29,7 @@ use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::set_aside::{Lost, lost, may_fall};
+use super::loose_grains::{Lost, lost, may_fall};
 use crate::contact_laws::Laws;
 use crate::kinetic_damping;
 use crate::motion_settings::MotionSettings;

@@ -1,6 +1,5 @@
 //! Rupture of bonds: which bonds break, when, and with how many others.
 
-pub mod announce;
 pub mod bonds;
 pub mod brittleness;
 pub mod dense;
