@@ -1,10 +1,9 @@
 //! The attempts at one increment: what they seek, their verdicts, and the status of the increment.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
+use crate::findings::{Bearing, Unconverged};
 use crate::motion::Motion;
 
 /// Method of an attempt at an equilibrium, in the order in which the methods are tried.
@@ -140,6 +139,11 @@ pub struct Attempt {
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,
+    /// What keeps grains from being thrown: the load of bodies in rejected solutions. Empty before
+    /// the first rejection.
+    pub bearing: Vec<Bearing>,
+    /// The solution with the smallest residual of all that did not converge.
+    pub best: Option<Unconverged>,
     /// Rows of the particles that the motion has brought nowhere to rest, where it ends without them.
     pub left: Vec<usize>,
     /// The share of the specimen that a motion without rest has moved, in words.

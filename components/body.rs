@@ -1,8 +1,6 @@
 //! Components that particles and walls share: identity, position, motion and loads.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

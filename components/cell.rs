@@ -1,8 +1,6 @@
 //! A periodic cell: the specimen repeats along two vectors, and no wall holds it.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use clastic_cone::program::ProgramCell;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
@@ -155,9 +153,7 @@ impl PeriodicCell {
             height: self.height + yy * self.height,
             tilt: self.tilt + xx * self.tilt + xy * self.height,
             shear: self.shear + xy,
-            stress: self.stress,
-            controls: self.controls,
-            by_mean: self.by_mean,
+            ..*self
         }
     }
 

@@ -1,8 +1,6 @@
 //! Tables of bodies and potential contacts.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
 use crate::body::{BodyDrive, BodyId, Ramp};
@@ -53,9 +51,7 @@ pub struct BodyTable {
     pub set_aside: Vec<bool>,
     /// The walls of the world, in the order of identities.
     pub walls: Vec<WallRow>,
-    /// Number of rigid groups; their rows follow those of the walls.
-    pub group_count: usize,
-    /// The rigid groups, in the order of identities.
+    /// The rigid groups, in the order of identities; their rows follow those of the walls.
     pub groups: Vec<GroupRow>,
     /// Index in `groups` of the group of every particle and wall; empty without groups.
     pub group_of: Vec<Option<u32>>,
@@ -83,7 +79,7 @@ impl BodyTable {
         match row.checked_sub(self.particles) {
             _ if row >= self.ids.len() => "the periodic cell".to_owned(),
             None => format!("particle {}", self.ids[row].0),
-            Some(_) if row >= self.ids.len() - self.group_count => {
+            Some(_) if row >= self.first_group() => {
                 format!("rigid group (body {})", self.ids[row].0)
             }
             Some(_) => format!("wall (body {})", self.ids[row].0),
@@ -105,6 +101,12 @@ impl BodyTable {
         self.cell.as_ref().map_or(apart, |cell| apart + cell.shift(apart))
     }
 
+    /// Where the rows of rigid groups begin.
+    #[must_use]
+    pub fn first_group(&self) -> usize {
+        self.ids.len() - self.groups.len()
+    }
+
     /// Number of rows in the program.
     #[must_use]
     pub fn rows_in_program(&self) -> usize {
@@ -120,10 +122,34 @@ impl BodyTable {
             return Some(row);
         }
         let (particles, others) = self.ids.split_at(self.particles);
-        let (walls, groups) = others.split_at(others.len() - self.group_count);
+        let (walls, groups) = others.split_at(others.len() - self.groups.len());
         let wall = || walls.binary_search(&id).ok().map(|k| self.particles + k);
         let group = || groups.binary_search(&id).ok().map(|k| self.particles + walls.len() + k);
         particles.binary_search(&id).ok().or_else(wall).or_else(group)
+    }
+
+    /// The wall in a row; `None` for another body.
+    #[must_use]
+    pub fn wall(&self, row: u32) -> Option<&WallRow> {
+        self.walls.binary_search_by_key(&row, |wall| wall.body).ok().map(|k| &self.walls[k])
+    }
+
+    /// The rigid group in a row; `None` for another body.
+    #[must_use]
+    pub fn group_at(&self, row: usize) -> Option<&GroupRow> {
+        self.groups.iter().find(|group| group.body as usize == row)
+    }
+
+    /// Velocity (x, y; m/s) and angular velocity (rad/s) at the start of the trial.
+    #[must_use]
+    pub fn rates(&self, row: usize) -> [f64; 3] {
+        [self.velocities[row].x, self.velocities[row].y, self.angular_velocities[row]]
+    }
+
+    /// Mass of degree of freedom `k` of a particle: kg, or kg m^2 of the rotation.
+    #[must_use]
+    pub fn mass_of(&self, i: usize, k: usize) -> f64 {
+        if k < 2 { self.masses[i] } else { self.inertias[i] }
     }
 
     /// The rigid group of the body of a row; `None` for a body that belongs to none.
@@ -159,10 +185,7 @@ impl BodyTable {
     /// those of a whole increment.
     #[must_use]
     pub fn group_drive(&self, group: &GroupRow, k: usize) -> BodyDrive {
-        match group.drives[k] {
-            BodyDrive::Imposed(_) if self.drives_stopped => BodyDrive::Imposed(0.0),
-            drive => drive,
-        }
+        self.in_trial(group.drives[k])
     }
 
     /// Maximum displacement of a point of a rigid group that its drives impose on it in a whole
@@ -180,7 +203,11 @@ impl BodyTable {
     /// of a whole increment.
     #[must_use]
     pub fn drive(&self, i: usize, k: usize) -> BodyDrive {
-        match self.drives[i][k] {
+        self.in_trial(self.drives[i][k])
+    }
+
+    fn in_trial(&self, drive: BodyDrive) -> BodyDrive {
+        match drive {
             BodyDrive::Imposed(_) if self.drives_stopped => BodyDrive::Imposed(0.0),
             drive => drive,
         }
@@ -196,6 +223,14 @@ impl BodyTable {
             WallDrive::Sliding { load, .. } if self.drives_stopped => WallDrive::Loaded(load),
             drive => drive,
         }
+    }
+
+    /// Displacement of the position of a wall that turns about a point by an angle (rad), m.
+    #[must_use]
+    pub fn swing(&self, wall: &WallRow, about: DVec2, angle: f64) -> DVec2 {
+        let arm = self.positions[wall.body as usize] - about;
+        let [x, y, _] = GroupRow::carried([0.0, 0.0, angle], arm);
+        DVec2::new(x, y)
     }
 
     /// Maximum displacement of a drawn point of a wall that a drive imposes on it in a whole
@@ -258,11 +293,17 @@ impl BodyTable {
         sum
     }
 
+    /// The periodic cell after the displacement of its body (m, m, rad).
+    #[must_use]
+    pub fn deformed_cell(&self, u: Option<[f64; 3]>) -> Option<PeriodicCell> {
+        self.cell.zip(u).map(|(cell, u)| cell.deformed(u, self.mean_radius))
+    }
+
     /// Moves the bodies by displacements (m, m, rad), one entry per body, then one for the cell.
     pub fn move_by(&mut self, displacements: impl Iterator<Item = [f64; 3]>) {
         for (i, u) in displacements.enumerate() {
             if i == self.positions.len() {
-                self.cell = self.cell.map(|cell| cell.deformed(u, self.mean_radius));
+                self.cell = self.deformed_cell(Some(u));
                 break;
             }
             self.positions[i] += DVec2::new(u[0], u[1]);

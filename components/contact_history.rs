@@ -59,6 +59,18 @@ impl KeptRows {
         self.now.get(row as usize).copied().flatten()
     }
 
+    /// Gives the pairs of a list their new rows. Those with a removed body are dropped.
+    pub fn renumber<T>(&self, list: &mut Vec<T>, pair: impl Fn(&mut T) -> [&mut u32; 2]) {
+        list.retain_mut(|item| {
+            let [a, b] = pair(item);
+            let rows = self.now(*a).zip(self.now(*b));
+            if let Some(rows) = rows {
+                (*a, *b) = rows;
+            }
+            rows.is_some()
+        });
+    }
+
     /// Converts a table by former rows to one of `rows` new rows. New bodies get the default.
     #[must_use]
     pub fn table<T: Copy + Default>(&self, before: &[T], rows: usize) -> Vec<T> {
@@ -104,19 +116,18 @@ pub struct ContactHistory(pub Vec<ContactMemory>);
 impl ContactHistory {
     /// Updates the rows of bodies. Contacts of removed bodies are dropped.
     pub fn renumber(&mut self, rows: &KeptRows) {
-        self.0.retain_mut(|m| match (rows.now(m.a), rows.now(m.b)) {
-            (Some(a), Some(b)) => {
-                (m.a, m.b) = (a, b);
-                true
-            }
-            _ => false,
-        });
+        rows.renumber(&mut self.0, |m| [&mut m.a, &mut m.b]);
     }
 
     /// Memory of the pair (a, b); `None` if the pair carried nothing.
     #[must_use]
     pub fn get(&self, a: u32, b: u32) -> Option<&ContactMemory> {
         self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
+    }
+
+    /// The pairs and the larger of their normal and shear forces, N.
+    pub fn sizes(&self) -> impl Iterator<Item = (u32, u32, f64)> + Clone + '_ {
+        self.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())))
     }
 
     /// Look-up of memories for pairs (a, b) in ascending order. It is faster than

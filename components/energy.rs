@@ -1,8 +1,6 @@
 //! The energy ledger of a run.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 /// Energy balance of an increment, or of several, J.
@@ -58,17 +56,8 @@ impl Energies {
     /// Error of the balance: supplied energy minus all the terms that receive it.
     #[must_use]
     pub fn error(&self) -> f64 {
-        self.external + self.gravity + self.exchange
-            - (self.kinetic
-                + self.elastic
-                + self.friction
-                + self.rolling
-                + self.dilation
-                + self.collision
-                + self.rupture
-                + self.motion
-                + self.turning
-                + self.numerical)
+        let [external, gravity, exchange, received @ ..] = self.to_array();
+        external + gravity + exchange - received.iter().sum::<f64>()
     }
 
     /// Sum of the absolute values of all terms, to which the error is compared.
@@ -135,19 +124,8 @@ impl Energies {
 
 impl std::ops::AddAssign for Energies {
     fn add_assign(&mut self, other: Self) {
-        self.external += other.external;
-        self.gravity += other.gravity;
-        self.exchange += other.exchange;
-        self.kinetic += other.kinetic;
-        self.elastic += other.elastic;
-        self.friction += other.friction;
-        self.rolling += other.rolling;
-        self.dilation += other.dilation;
-        self.collision += other.collision;
-        self.rupture += other.rupture;
-        self.motion += other.motion;
-        self.turning += other.turning;
-        self.numerical += other.numerical;
+        let (own, others) = (self.to_array(), other.to_array());
+        *self = Self::from_array(std::array::from_fn(|k| own[k] + others[k]));
     }
 }
 

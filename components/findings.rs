@@ -2,8 +2,6 @@
 //! reads them. All are cleared when the next increment begins.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 
 use crate::bond::Rupture;
@@ -278,14 +276,6 @@ pub enum Bearing {
     Load,
 }
 
-/// What keeps grains from being thrown.
-#[derive(Resource, Clone, Debug, Default)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct Restraints {
-    /// Load of bodies in rejected solutions. Empty before the first rejection.
-    pub bearing: Vec<Bearing>,
-}
-
 /// Centre of the regularisation if it follows the solution.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
@@ -308,8 +298,3 @@ pub struct Unconverged {
     /// Message of the solver.
     pub message: String,
 }
-
-/// The solution with the smallest residual of all that did not converge in the increment.
-#[derive(Resource, Clone, Debug, Default)]
-#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct BestUnconverged(pub Option<Unconverged>);

@@ -1,8 +1,6 @@
 //! How increments are solved and judged, and how bonds break.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 pub use crate::analysis::{AnalysisKind, ClasticAnalysis, Coulomb, FrictionLaw};

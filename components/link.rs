@@ -1,8 +1,6 @@
 //! Links between two bodies: hinges, rods and springs.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

@@ -1,8 +1,6 @@
 //! Loads that an embedding program adds to a trial.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 
 use crate::body::BodyId;
 use crate::contact::BodyTable;

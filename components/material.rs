@@ -1,8 +1,6 @@
 //! Contact and bond laws.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::{ReflectComponent, ReflectResource};
 use serde::{Deserialize, Serialize};
 
 /// Law of an unbonded contact.

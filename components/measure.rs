@@ -4,8 +4,6 @@
 use std::ops::Range;
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

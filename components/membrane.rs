@@ -1,8 +1,6 @@
 //! Flexible membranes, which press on the outer grains of a specimen.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

@@ -13,7 +13,7 @@
 //! 1982).
 
 /// State of a motion between two steps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Motion {
     /// Whether ruptures released the motion at an equilibrium. Otherwise it begins where
@@ -46,27 +46,6 @@ pub struct Motion {
     pub failures: u32,
     /// Number of steps with the minimum weight.
     pub free_steps: u32,
-}
-
-impl Default for Motion {
-    fn default() -> Self {
-        Self {
-            released: false,
-            length: 1.0,
-            weight: 0.0,
-            stiffness: 0.0,
-            masses: Vec::new(),
-            velocities: Vec::new(),
-            kinetic: 0.0,
-            goal: 0.0,
-            repeated: false,
-            travelled: 0.0,
-            speed: 0.0,
-            steps: 0,
-            failures: 0,
-            free_steps: 0,
-        }
-    }
 }
 
 impl Motion {

@@ -1,8 +1,6 @@
 //! Observations of an increment: plain data between the systems that measure and those that write.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 use crate::attempt::IncrementStatus;

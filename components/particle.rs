@@ -1,8 +1,6 @@
 //! Disks.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectComponent;
 use serde::{Deserialize, Serialize};
 
 use crate::body::{

@@ -1,8 +1,6 @@
 //! Grains that stages have poured in so far.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 /// Grains that stages have poured in since the start of the run, or of the run that saved the state

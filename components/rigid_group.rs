@@ -1,8 +1,6 @@
 //! Rigid groups: particles and walls that move as one body with three degrees of freedom.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectComponent;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

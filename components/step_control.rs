@@ -1,8 +1,6 @@
 //! Increments of a static stage that are chosen by their error.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 /// Chooses the increments of the current stage by their error. A world without it makes the

@@ -93,7 +93,6 @@ impl PluginGroup for ClasticPlugins {
             .add(systems::stepping::SteppingPlugin { schedule: self.schedule })
             .add(systems::assign_identities::AssignIdentitiesPlugin)
             .add(systems::gather_bodies::GatherBodiesPlugin)
-            .add(systems::trial_loads::TrialLoadsPlugin)
             .add(systems::detect_contacts::DetectContactsPlugin)
             .add(systems::assemble_program::AssembleProgramPlugin)
             .add(systems::solve_program::SolveProgramPlugin)
@@ -103,12 +102,10 @@ impl PluginGroup for ClasticPlugins {
             .add(systems::rupture::bonds::RuptureBondsPlugin)
             .add(systems::energy_ledger::EnergyLedgerPlugin)
             .add(systems::control_walls::ControlWallsPlugin)
-            .add(systems::control_loads::ControlLoadsPlugin)
             .add(systems::membranes::MembranesPlugin)
             .add(systems::links::LinksPlugin)
             .add(systems::record::RecordPlugin)
-            .add(systems::rupture::announce::AnnounceRupturesPlugin)
-            .add(systems::impacts::announce::AnnounceCollisionsPlugin)
+            .add(systems::announce::AnnouncePlugin)
             .add(systems::material_names::MaterialNamesPlugin);
         #[cfg(feature = "reflect")]
         let engine = engine.add(systems::reflect::ReflectPlugin);

@@ -1,25 +1,40 @@
 //! The law of a contact, and what is left of the forces of a bond where it has broken.
 
+use bevy_ecs::prelude::*;
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::material::{ContactLaw, Materials};
 
-/// Law of a contact in an increment: without friction in a compaction, and with the friction that an
-/// increment leaves.
-#[must_use]
-pub fn contact_law(
-    bodies: &BodyTable,
-    materials: &Materials,
-    analysis: &ClasticAnalysis,
-    contact: &Contact,
-) -> ContactLaw {
-    if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
-        return ContactLaw::rigid_frictionless();
+/// What the laws of contacts in an increment follow from.
+#[derive(Clone, Copy)]
+pub struct Laws<'a> {
+    /// Bodies of the contacts.
+    pub bodies: &'a BodyTable,
+    /// Their materials.
+    pub materials: &'a Materials,
+    /// Kind of analysis.
+    pub analysis: &'a ClasticAnalysis,
+}
+
+impl<'a> Laws<'a> {
+    /// The laws of a world.
+    #[must_use]
+    pub fn of(world: &'a World) -> Self {
+        Self { bodies: world.resource(), materials: world.resource(), analysis: world.resource() }
     }
-    let mut law = law_of_pair(bodies, materials, contact);
-    law.friction *= analysis.strength;
-    law.rolling_friction *= analysis.strength;
-    law
+
+    /// Law of a contact in an increment: without friction in a compaction, and with the friction that
+    /// an increment leaves.
+    #[must_use]
+    pub fn contact(self, contact: &Contact) -> ContactLaw {
+        if matches!(self.analysis.kind, AnalysisKind::Compaction { .. }) {
+            return ContactLaw::rigid_frictionless();
+        }
+        let mut law = law_of_pair(self.bodies, self.materials, contact);
+        law.friction *= self.analysis.strength;
+        law.rolling_friction *= self.analysis.strength;
+        law
+    }
 }
 
 /// Law of a contact: that of the wall, or that of the two materials.
@@ -29,8 +44,7 @@ pub fn law_of_pair(bodies: &BodyTable, materials: &Materials, contact: &Contact)
     if b < bodies.particles {
         return materials.contact(bodies.materials[a], bodies.materials[b]);
     }
-    let wall = bodies.walls.binary_search_by_key(&contact.b, |wall| wall.body);
-    wall.map_or_else(|_| ContactLaw::default(), |k| bodies.walls[k].law)
+    bodies.wall(contact.b).map_or_else(ContactLaw::default, |wall| wall.law)
 }
 
 /// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It

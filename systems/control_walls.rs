@@ -1,10 +1,11 @@
-//! Computes the drives of walls for the next increment from their controls. A force or a stress is
-//! imposed exactly, through the wall's own balance row in the program.
+//! Computes the drives of walls and the loads of particles and rigid groups for the next increment from
+//! their controls. A force or a stress on a wall is imposed exactly, through the wall's own balance row
+//! in the program.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, BodyPosition, Ramp};
+use clastic_components::body::{AppliedLoad, BodyId, BodyPosition, LoadControl, Ramp};
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::{
@@ -19,7 +20,7 @@ use crate::schedule::{
 use crate::state::RegisterState;
 use crate::wall_states::{ControlStates, WALL_CONTROL};
 
-/// Adds [`control_walls`] and runs it in every increment.
+/// Adds [`control_walls`] and [`control_loads`], and runs them in every increment.
 pub struct ControlWallsPlugin;
 
 impl Plugin for ControlWallsPlugin {
@@ -28,8 +29,10 @@ impl Plugin for ControlWallsPlugin {
             .register_component::<BodyId, WallDrive>("wall_drive")
             .register_component::<BodyId, WallSlide>("wall_slide")
             .register_component::<BodyId, WallTable>("wall_table")
-            .register_component::<BodyId, WallRotation>("wall_rotation");
-        app.add_systems(ControlWalls, control_walls.in_set(ControlSystems::BuiltIn)).add_systems(
+            .register_component::<BodyId, WallRotation>("wall_rotation")
+            .register_component::<BodyId, LoadControl>("load_control");
+        let built_in = (control_walls, control_loads).in_set(ControlSystems::BuiltIn);
+        app.add_systems(ControlWalls, built_in).add_systems(
             Increment,
             (
                 start_clock,
@@ -39,6 +42,16 @@ impl Plugin for ControlWallsPlugin {
                 .chain()
                 .in_set(IncrementSystems::Controls),
         );
+    }
+}
+
+/// Writes [`AppliedLoad`] for the increment that starts at [`ClasticProgress::done`].
+pub fn control_loads(
+    progress: Res<ClasticProgress>,
+    mut loaded: Query<(&LoadControl, &mut AppliedLoad)>,
+) {
+    for (control, mut load) in &mut loaded {
+        load.set_if_neq(AppliedLoad::next(control, &progress));
     }
 }
 
@@ -70,40 +83,36 @@ pub fn control_walls(
                 WallDrive::Turning { about, angle: rate * dt }
             }),
             WallControl::Force { from, to } => WallDrive::Loaded(progress.ramp(from, to)),
-            WallControl::Stress { length: LoadedLength::Between(a, b), .. }
-            | WallControl::Table(TableOf::Stress(LoadedLength::Between(a, b)))
-                if !(geometry.contains(a) && geometry.contains(b)) =>
-            {
-                // Without this message the wall would silently lose its load.
-                let name = |wall: Entity| match names.get(wall) {
-                    Ok(WallName(name)) => format!("wall `{name}`"),
-                    Err(_) if geometry.contains(wall) => format!("wall {wall}"),
-                    Err(_) => "a removed wall".to_owned(),
-                };
-                commands.insert_resource(ClasticHalted(format!(
-                    "the stress on {} acts on the distance between {} and {}; give it another \
-                     control before that wall is removed",
-                    name(entity),
-                    name(a),
-                    name(b)
-                )));
-                continue;
-            }
-            WallControl::Stress { from, to, length } => {
+            WallControl::Stress { length, .. } | WallControl::Table(TableOf::Stress(length)) => {
+                if let LoadedLength::Between(a, b) = length
+                    && !(geometry.contains(a) && geometry.contains(b))
+                {
+                    // Without this message the wall would silently lose its load.
+                    let name = |wall: Entity| match names.get(wall) {
+                        Ok(WallName(name)) => format!("wall `{name}`"),
+                        Err(_) if geometry.contains(wall) => format!("wall {wall}"),
+                        Err(_) => "a removed wall".to_owned(),
+                    };
+                    commands.insert_resource(ClasticHalted(format!(
+                        "the stress on {} acts on the distance between {} and {}; give it another \
+                         control before that wall is removed",
+                        name(entity),
+                        name(a),
+                        name(b)
+                    )));
+                    continue;
+                }
+                let stress = stress_of(control, table, &progress, dt).unwrap_or_default();
                 let length = loaded_length(entity, length, &geometry);
-                WallDrive::Loaded(progress.ramp(from, to).times(length * analysis.thickness))
+                WallDrive::Loaded(stress.times(length * analysis.thickness))
             }
             WallControl::Table(of) => {
                 let table = table.map_or([Ramp::default(); 2], |table| table.next(&progress, dt));
                 let [x, y] = table.map(|ramp| ramp.to - ramp.from);
                 match of {
                     TableOf::Displacement => WallDrive::Imposed(DVec2::new(x, y)),
-                    TableOf::Force => WallDrive::Loaded(table[0]),
                     TableOf::Rotation(about) => WallDrive::Turning { about, angle: x },
-                    TableOf::Stress(length) => {
-                        let length = loaded_length(entity, length, &geometry);
-                        WallDrive::Loaded(table[0].times(length * analysis.thickness))
-                    }
+                    TableOf::Force | TableOf::Stress(_) => WallDrive::Loaded(table[0]),
                 }
             }
             WallControl::Custom => continue,
@@ -132,27 +141,21 @@ pub fn renew_stresses<'w>(
 ) {
     for k in 0..bodies.walls.len() {
         let wall = &bodies.walls[k];
-        let (stress, length) = match wall.control {
-            WallControl::Stress { from, to, length } => (progress.ramp(from, to), length),
-            WallControl::Table(TableOf::Stress(length)) => {
-                let entity = bodies.entities[wall.body as usize];
-                let Some(table) = table_of(entity) else { continue };
-                (table.next(progress, analysis.kind.dt())[0], length)
-            }
-            _ => continue,
+        let (WallControl::Stress { length, .. } | WallControl::Table(TableOf::Stress(length))) =
+            wall.control
+        else {
+            continue;
+        };
+        let table = table_of(bodies.entities[wall.body as usize]);
+        let Some(stress) = stress_of(&wall.control, table, progress, analysis.kind.dt()) else {
+            continue;
         };
         let length = match length {
-            LoadedLength::Segment => 2.0 * bodies.walls[k].half_length,
-            LoadedLength::Between(first, second) => {
-                let place = |wall: Entity| bodies.entities.iter().position(|e| *e == wall);
-                let inward = |i: usize| bodies.walls.iter().find(|w| w.body as usize == i);
-                match (place(first), place(second)) {
-                    (Some(i), Some(j)) => inward(i).map_or(0.0, |wall| {
-                        (bodies.positions[j] - bodies.positions[i]).dot(wall.inward)
-                    }),
-                    _ => 0.0,
-                }
-            }
+            LoadedLength::Segment => 2.0 * wall.half_length,
+            LoadedLength::Between(first, second) => distance(first, second, |wall| {
+                let row = bodies.entities.iter().position(|e| *e == wall)?;
+                Some((bodies.positions[row], bodies.wall(row as u32)?.inward))
+            }),
         };
         let load = stress.times(length * analysis.thickness);
         let drive = &mut bodies.walls[k].drive;
@@ -160,6 +163,20 @@ pub fn renew_stresses<'w>(
             WallDrive::Sliding { along, .. } => WallDrive::Sliding { load, along },
             _ => WallDrive::Loaded(load),
         };
+    }
+}
+
+/// Stress of a control over the next whole increment, Pa; `None` if it has none or lacks its table.
+fn stress_of(
+    control: &WallControl,
+    table: Option<&WallTable>,
+    progress: &ClasticProgress,
+    dt: Option<f64>,
+) -> Option<Ramp> {
+    match *control {
+        WallControl::Stress { from, to, .. } => Some(progress.ramp(from, to)),
+        WallControl::Table(TableOf::Stress(_)) => Some(table?.next(progress, dt)[0]),
+        _ => None,
     }
 }
 
@@ -184,8 +201,13 @@ pub fn wall_distance(
     second: Entity,
     geometry: &Query<(&Wall, &BodyPosition)>,
 ) -> f64 {
-    match (geometry.get(first), geometry.get(second)) {
-        (Ok((wall, x)), Ok((_, y))) => (y.0 - x.0).dot(wall.inward()),
+    distance(first, second, |wall| geometry.get(wall).ok().map(|(wall, x)| (x.0, wall.inward())))
+}
+
+/// The same where walls have these positions (m) and inward normals; 0 if one of them has none.
+fn distance(first: Entity, second: Entity, wall: impl Fn(Entity) -> Option<(DVec2, DVec2)>) -> f64 {
+    match (wall(first), wall(second)) {
+        (Some((x, inward)), Some((y, _))) => (y - x).dot(inward),
         _ => 0.0,
     }
 }

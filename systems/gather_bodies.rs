@@ -3,7 +3,6 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
 use clastic_components::body::{
     AppliedLoad, BodyAngularVelocity, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
@@ -24,7 +23,7 @@ use crate::check_values::check_values;
 use crate::links;
 use crate::rigid_groups::{self, GroupQuery};
 use crate::schedule::{ClasticHalted, Increment, IncrementSystems};
-use crate::state::{RegisterState, StateOf};
+use crate::state::RegisterState;
 
 /// Name of the [`PeriodicCell`] in a state.
 pub const PERIODIC_CELL: &str = "periodic_cell";
@@ -79,22 +78,13 @@ fn register_bodies(app: &mut App) {
         .register_component::<BondId, Bond>("bond")
         .register_component::<BondId, BondState>("bond_state")
         .register_resource::<PeriodicCell>(PERIODIC_CELL)
-        .register_state::<RowIds>("contact_history.rows")
+        // The identities behind the rows of persistent tables.
+        .register_part(
+            "contact_history.rows",
+            |world| world.get_resource::<KeptRows>().map(|kept| kept.ids.clone()),
+            |ids, world| world.insert_resource(KeptRows::of(ids)),
+        )
         .register_resource::<ContactHistory>("contact_history");
-}
-
-/// The identities behind the rows of persistent tables.
-#[derive(Serialize, Deserialize)]
-struct RowIds(Vec<BodyId>);
-
-impl StateOf for RowIds {
-    fn take(world: &mut World) -> Option<Self> {
-        world.get_resource::<KeptRows>().map(|kept| Self(kept.ids.clone()))
-    }
-
-    fn put(self, world: &mut World) {
-        world.insert_resource(KeptRows::of(self.0));
-    }
 }
 
 type ParticleQuery<'w, 's> = Query<
@@ -150,52 +140,17 @@ pub fn gather_bodies(
     cell: Option<Res<PeriodicCell>>,
 ) {
     let bodies = &mut *bodies;
-    number_rows(bodies, &particles, &walls, &groups);
+    *bodies = BodyTable { cell: cell.map(|cell| *cell), ..BodyTable::default() };
     gather_particles(bodies, &particles);
     gather_walls(bodies, &walls);
     rigid_groups::gather(bodies, &groups);
-    bodies.cell = cell.map(|cell| *cell);
-    links::gather(bodies, &links);
-    bodies.broken.clear();
-    bodies.drives_stopped = false;
-    gather_bonds(bodies, &bonds);
-}
-
-/// Sets the order of the rows and the lengths of the tables.
-fn number_rows(
-    bodies: &mut BodyTable,
-    particles: &ParticleQuery,
-    walls: &WallQuery,
-    groups: &GroupQuery,
-) {
-    let n = particles.iter().len();
-    let mut ids: Vec<BodyId> = particles.iter().map(|p| *p.1).collect();
-    ids.sort_unstable();
-    ids.extend(walls.iter().map(|w| *w.1));
-    ids[n..].sort_unstable();
-    let first_group = ids.len();
-    ids.extend(groups.iter().map(|group| *group.1));
-    ids[first_group..].sort_unstable();
-    let all = ids.len();
-    bodies.group_count = all - first_group;
-    bodies.particles = n;
-    bodies.ids = ids;
-    bodies.entities.resize(all, Entity::PLACEHOLDER);
-    bodies.positions.resize(all, DVec2::ZERO);
-    bodies.rotations.resize(first_group, 0.0);
-    bodies.velocities.resize(all, DVec2::ZERO);
-    bodies.angular_velocities.resize(all, 0.0);
-    bodies.last_motion.resize(all, [0.0; 3]);
-    bodies.radii.resize(n, 0.0);
-    bodies.masses.resize(n, 0.0);
-    bodies.inertias.resize(n, 0.0);
-    bodies.materials.resize(n, 0);
-    bodies.drives.resize(n, Default::default());
-    bodies.loads.resize(n, Default::default());
-    bodies.set_aside.resize(n, false);
+    bodies.links = links::gather(bodies, &links);
+    bodies.bonds = gather_bonds(bodies, &bonds);
 }
 
 fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
+    let mut sorted: Vec<_> = particles.iter().collect();
+    sorted.sort_unstable_by_key(|row| *row.1);
     for (
         entity,
         id,
@@ -209,40 +164,34 @@ fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
         drives,
         load,
         set_aside,
-    ) in particles
+    ) in sorted
     {
-        let Some(i) = bodies.row(*id) else { continue };
-        bodies.entities[i] = entity;
-        bodies.positions[i] = position.0;
-        bodies.rotations[i] = rotation.0;
-        bodies.velocities[i] = velocity.0;
-        bodies.angular_velocities[i] = spin.0;
-        bodies.last_motion[i] = motion.0;
-        bodies.radii[i] = particle.radius;
-        bodies.masses[i] = particle.mass;
-        bodies.inertias[i] = particle.inertia;
-        bodies.materials[i] = material.0;
-        bodies.drives[i] = drives.0;
-        bodies.loads[i] = load.ramps();
-        bodies.set_aside[i] = set_aside;
+        bodies.ids.push(*id);
+        bodies.entities.push(entity);
+        bodies.positions.push(position.0);
+        bodies.rotations.push(rotation.0);
+        bodies.velocities.push(velocity.0);
+        bodies.angular_velocities.push(spin.0);
+        bodies.last_motion.push(motion.0);
+        bodies.radii.push(particle.radius);
+        bodies.masses.push(particle.mass);
+        bodies.inertias.push(particle.inertia);
+        bodies.materials.push(material.0);
+        bodies.drives.push(drives.0);
+        bodies.loads.push(load.ramps());
+        bodies.set_aside.push(set_aside);
     }
-    let n = bodies.particles;
+    let n = bodies.ids.len();
+    bodies.particles = n;
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 }
 
 fn gather_walls(bodies: &mut BodyTable, walls: &WallQuery) {
-    bodies.walls.clear();
-    for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in walls {
-        let Some(i) = bodies.row(*id) else { continue };
-        bodies.entities[i] = entity;
-        bodies.positions[i] = position.0;
-        bodies.rotations[i] = rotation.map_or(0.0, |rotation| rotation.0);
-        // Only particles have a velocity in the tables.
-        bodies.velocities[i] = DVec2::ZERO;
-        bodies.angular_velocities[i] = 0.0;
-        bodies.last_motion[i] = motion.0;
+    let mut sorted: Vec<_> = walls.iter().collect();
+    sorted.sort_unstable_by_key(|row| *row.1);
+    for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in sorted {
         bodies.walls.push(WallRow {
-            body: i as u32,
+            body: bodies.ids.len() as u32,
             inward: wall.inward(),
             half_length: wall.half_length,
             shape: shape.copied().unwrap_or_default(),
@@ -250,27 +199,31 @@ fn gather_walls(bodies: &mut BodyTable, walls: &WallQuery) {
             control: *control,
             drive: *drive,
         });
+        bodies.ids.push(*id);
+        bodies.entities.push(entity);
+        bodies.positions.push(position.0);
+        bodies.rotations.push(rotation.map_or(0.0, |rotation| rotation.0));
+        // Only particles have a velocity in the tables.
+        bodies.velocities.push(DVec2::ZERO);
+        bodies.angular_velocities.push(0.0);
+        bodies.last_motion.push(motion.0);
     }
-    bodies.walls.sort_unstable_by_key(|w| w.body);
 }
 
-/// Gathers the intact bonds between bodies that can move relative to each other.
-fn gather_bonds(bodies: &mut BodyTable, bonds: &BondQuery) {
-    let mut rows = std::mem::take(&mut bodies.bonds);
-    rows.clear();
+/// The intact bonds between bodies that can move relative to each other.
+fn gather_bonds(bodies: &BodyTable, bonds: &BondQuery) -> Vec<BondRow> {
     let row = |id: BodyId| bodies.row(id).map(|row| row as u32);
-    rows.extend(bonds.iter().filter(|(.., state)| **state == BondState::Intact).filter_map(
-        |(entity, id, bond, _)| {
-            let (a, b) = (row(bond.a)?, row(bond.b)?);
-            let (a, b) = (a.min(b), a.max(b));
-            if bodies.are_joined(a, b) {
-                return None;
-            }
-            Some(BondRow { id: *id, entity, a, b, initial_gap: bond.initial_gap, law: bond.law })
-        },
-    ));
-    bodies.bonds = rows;
-    bodies.bonds.sort_unstable_by_key(|b| (b.a, b.b, b.id));
+    let intact = bonds.iter().filter(|(.., state)| **state == BondState::Intact);
+    let rows = intact.filter_map(|(entity, id, bond, _)| {
+        let (a, b) = (row(bond.a)?, row(bond.b)?);
+        let (a, b) = (a.min(b), a.max(b));
+        let gathered =
+            BondRow { id: *id, entity, a, b, initial_gap: bond.initial_gap, law: bond.law };
+        (!bodies.are_joined(a, b)).then_some(gathered)
+    });
+    let mut rows: Vec<BondRow> = rows.collect();
+    rows.sort_unstable_by_key(|b| (b.a, b.b, b.id));
+    rows
 }
 
 /// Halts a run in whose periodic cell two particles could touch twice.

@@ -3,8 +3,6 @@
 use std::collections::HashMap;
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;

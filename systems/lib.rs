@@ -3,12 +3,12 @@
 //! bonds, record. An attempt detects contacts, assembles the cone program, solves it, and judges
 //! the solution. See [`schedule`].
 
+pub mod announce;
 pub mod assemble_program;
 pub mod assign_identities;
 pub mod attempt;
 pub mod check_values;
 pub mod contact_laws;
-pub mod control_loads;
 pub mod control_walls;
 pub mod detect_contacts;
 pub mod ending;
@@ -33,12 +33,12 @@ pub mod rigid_groups;
 pub mod rupture;
 pub mod schedule;
 pub mod solve_program;
+pub mod solved;
 pub mod state;
 pub mod step_control;
 pub mod stepping;
 pub mod tractions;
 pub mod travel;
-pub mod trial_loads;
 pub mod turns;
 pub mod update_state;
 pub mod wall_states;

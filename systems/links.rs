@@ -18,7 +18,7 @@ use clastic_components::wall::{Wall, WallRotation};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, Limits};
 
 use crate::schedule::{AttemptIncrement, AttemptSystems, ClasticHalted};
-use crate::state::{RegisterState, StateOf};
+use crate::state::{RegisterState, StateOf, despawn_all};
 
 /// Adds the hook that turns a [`LinkBetween`] into a [`Link`], the interactions of links, and their
 /// state.
@@ -54,10 +54,7 @@ impl StateOf for AllLinks {
     }
 
     fn forget(world: &mut World) {
-        let all: Vec<Entity> = world.query_filtered::<Entity, With<Link>>().iter(world).collect();
-        for link in all {
-            world.despawn(link);
-        }
+        despawn_all::<Link>(world);
     }
 }
 
@@ -125,13 +122,11 @@ fn resolve(between: LinkBetween, world: &World) -> Result<Link, LinkError> {
     Ok(Link { a, b, on_a, on_b, kind, compliance })
 }
 
-/// Fills the table of links.
-pub(crate) fn gather(bodies: &mut BodyTable, links: &Query<(Entity, &Link)>) {
-    let mut rows = std::mem::take(&mut bodies.links);
-    rows.clear();
+/// The table of links.
+pub(crate) fn gather(bodies: &BodyTable, links: &Query<(Entity, &Link)>) -> Vec<LinkRow> {
     let mut found: Vec<_> = links.iter().collect();
     found.sort_unstable_by(|x, y| order(x.1, y.1));
-    rows.extend(found.into_iter().filter_map(|(entity, link)| {
+    let rows = found.into_iter().filter_map(|(entity, link)| {
         let row = |id| bodies.row(id).map(|row| row as u32);
         let ends = [(row(link.a)?, link.on_a), (row(link.b)?, link.on_b)];
         let [first, second] = if ends[0].0 < ends[1].0 { ends } else { [ends[1], ends[0]] };
@@ -142,9 +137,10 @@ pub(crate) fn gather(bodies: &mut BodyTable, links: &Query<(Entity, &Link)>) {
             kind: link.kind,
             compliance: link.compliance,
         })
-    }));
+    });
+    let mut rows: Vec<LinkRow> = rows.collect();
     rows.sort_by_key(|link| link.rows);
-    bodies.links = rows;
+    rows
 }
 
 /// Ends the links of a body that goes.

@@ -6,8 +6,6 @@
 //! weight is a long step.
 
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
 
 /// Settings of a followed motion. To change them, insert the resource before the first increment.
 #[non_exhaustive]

@@ -4,9 +4,9 @@ use glam::DVec2;
 
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{BodyTable, ContactTable, WallRow};
-use clastic_cone::program::ConeProgram;
 
 use crate::detect_contacts::gaps::{JOINT, wall_gap};
+use crate::solved::Solved;
 
 /// Where the bodies are after a motion.
 pub(crate) struct Moved {
@@ -24,8 +24,7 @@ impl Moved {
 
     /// After displacements (m, m, rad; by body in its own axes), multiplied by `scale`.
     pub fn by(
-        bodies: &BodyTable,
-        program: &ConeProgram,
+        Solved { bodies, program, .. }: Solved,
         displacements: &[[f64; 3]],
         scale: f64,
     ) -> Self {
@@ -38,7 +37,7 @@ impl Moved {
         let turned = |wall: &WallRow| wall.turned(scale * displacements[wall.body as usize][2]);
         Self {
             positions: bodies.positions.iter().enumerate().map(moved).collect(),
-            cell: bodies.cell.zip(cell).map(|(cell, u)| cell.deformed(u, bodies.mean_radius)),
+            cell: bodies.deformed_cell(cell),
             walls: bodies.walls.iter().map(turned).collect(),
         }
     }

@@ -1,8 +1,10 @@
 //! Bodies and their places in words, for the complaints of the judges.
 
 use clastic_components::contact::BodyTable;
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
+use clastic_cone::program::{ConeProgram, Dof};
 use clastic_cone::residuals::worst_bodies;
+
+use crate::solved::Solved;
 
 /// Two bodies, which may be the same, and the place of the first one.
 pub(crate) fn near(bodies: &BodyTable, [a, b]: [usize; 2]) -> String {
@@ -16,11 +18,7 @@ pub(crate) fn near(bodies: &BodyTable, [a, b]: [usize; 2]) -> String {
 }
 
 /// Place of the maximum residual of a solution; empty if it has none.
-pub(crate) fn worst_place(
-    bodies: &BodyTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> String {
+pub(crate) fn worst_place(Solved { bodies, program, solution, .. }: Solved) -> String {
     worst_bodies(program, solution)
         .map_or(String::new(), |pair| format!(", worst at {}", near(bodies, pair)))
 }

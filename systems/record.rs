@@ -4,14 +4,12 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
-use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{
     BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation, Probe,
 };
 use clastic_components::bond::BondState;
-use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{ClasticProgress, RuptureOrder, RuptureRules};
 use clastic_components::measure::{
@@ -22,7 +20,6 @@ use clastic_components::observation::{
 };
 use clastic_components::rigid_group::ContactForce;
 use clastic_components::wall::WallRotation;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::gather_bodies::gather_bodies;
 use crate::measures::cracks::follow_cracks;
@@ -33,7 +30,8 @@ use crate::measures::{NAMED, NamedState, read_end, read_start};
 use crate::membranes::renew_shapes;
 use crate::rupture::events;
 use crate::schedule::{Increment, IncrementSystems, lap};
-use crate::state::{RegisterState, StateOf};
+use crate::solved::{Solved, SolvedTables};
+use crate::state::RegisterState;
 use clastic_cone::residuals::Carrying;
 
 /// Adds the systems of the record.
@@ -46,11 +44,16 @@ impl Plugin for RecordPlugin {
         app.register_component::<BodyId, Probe>("probe")
             .register_resource::<Observation>(OBSERVATION)
             .register_resource::<RuptureCount>("rupture_count")
-            .register_state::<ReferenceLengths>("measures.reference")
+            // Reference lengths of the strains; their definitions are settings.
+            .register_part(
+                "measures.reference",
+                |world| world.get_resource::<Measures>().map(|measures| measures.reference),
+                |lengths, world| world.get_resource_or_init::<Measures>().reference = lengths,
+            )
             .register_state::<NamedState>(NAMED)
-            .register_state::<StrainReference>("measures.start")
-            .register_state::<StrainPath>("measures.path")
-            .register_state::<CrackSums>("measures.cracks")
+            .register_resource::<StrainReference>("measures.start")
+            .register_resource::<StrainPath>("measures.path")
+            .register_resource::<CrackSums>("measures.cracks")
             .init_resource::<NamedMeasures>()
             .init_resource::<Readings>();
         app.init_resource::<Observation>().init_resource::<Measures>().add_systems(
@@ -85,21 +88,6 @@ fn forget_ruptures(mut out: ResMut<Observation>) {
     out.ruptures.clear();
 }
 
-/// Reference lengths of the strains, m: axial and lateral. The definitions of the strains are
-/// settings.
-#[derive(Serialize, Deserialize)]
-struct ReferenceLengths(Option<[f64; 2]>);
-
-impl StateOf for ReferenceLengths {
-    fn take(world: &mut World) -> Option<Self> {
-        world.get_resource::<Measures>().map(|measures| Self(measures.reference))
-    }
-
-    fn put(self, world: &mut World) {
-        world.get_resource_or_init::<Measures>().reference = self.0;
-    }
-}
-
 /// Records the stresses. Average stresses refer to the geometry at the start of the increment.
 fn record_stress(tables: StressTables, measures: Res<Measures>, mut out: ResMut<Observation>) {
     let stress = |measure: &Option<StressMeasure>| tables.stress(measure.as_ref()?);
@@ -122,14 +110,11 @@ fn record_strain(tables: StrainTables, measures: Res<Measures>, mut out: ResMut<
 
 /// Records counters, residuals, energy and status.
 fn record_state(
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    tables: SolvedTables,
     progress: Res<ClasticProgress>,
     attempt: Res<Attempt>,
-    loops: (Res<Ruptures>, Res<Corrections>, Res<Sliding>),
-    order: (Res<RuptureRules>, Res<EventSearch>),
+    (ruptures, corrections, sliding): (Res<Ruptures>, Res<Corrections>, Res<Sliding>),
+    (rules, search): (Res<RuptureRules>, Res<EventSearch>),
     count: Res<RuptureCount>,
     moving: Query<Moving>,
     mut out: ResMut<Observation>,
@@ -138,7 +123,8 @@ fn record_state(
     out.stage.clone_from(&progress.stage_name);
     out.fraction = progress.fraction;
     out.time = progress.time;
-    let carrying = Carrying::new(&program, &solution);
+    let Solved { bodies, contacts, program, solution } = tables.get();
+    let carrying = Carrying::new(program, solution);
     // Ties of taut bonds and interactions of plugins come after the contacts.
     let listed = 0..solution.forces.len().min(contacts.0.len());
     out.contacts = listed.filter(|k| carrying.is_carrying(*k)).count();
@@ -150,18 +136,17 @@ fn record_state(
     out.motion_steps = attempt.motion_steps;
     out.iterations = attempt.iterations;
     out.residuals = solution.residuals;
-    let (ruptures, corrections, sliding) = loops;
     out.imbalance = corrections.imbalance;
     out.idle_motion = corrections.idle_motion;
-    out.in_avalanche = order.1.in_avalanche;
+    out.in_avalanche = search.in_avalanche;
     out.coulomb_residual = sliding.natural_map;
     out.rupture_lag = if ruptures.list.is_empty() {
         0.0
     } else {
-        let change = events::change(&program, &solution);
-        match (order.0.order, order.1.active) {
-            (RuptureOrder::Events, true) => (order.1.overload - 1.0).max(order.0.tolerance),
-            _ if order.1.dense => order.1.late * change,
+        let change = events::change(program, solution);
+        match (rules.order, search.active) {
+            (RuptureOrder::Events, true) => (search.overload - 1.0).max(rules.tolerance),
+            _ if search.dense => search.late * change,
             _ => change,
         }
     };

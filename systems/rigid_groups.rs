@@ -24,23 +24,19 @@ pub type GroupQuery<'w, 's> = Query<
     ),
 >;
 
-/// Fills the rows of the groups from those of the particles. The state of motion of a group follows
+/// Adds the rows of the groups, which follow from those of the particles and walls. The state of motion of a group follows
 /// from its members: their centre of mass, and a velocity and spin with their linear and angular
 /// momentum.
 pub fn gather(bodies: &mut BodyTable, groups: &GroupQuery) {
-    bodies.groups.clear();
-    bodies.group_of.clear();
-    if bodies.group_count == 0 {
-        return;
+    let first_group = bodies.ids.len();
+    if !groups.is_empty() {
+        bodies.group_of.resize(first_group, None);
     }
-    let first_group = bodies.positions.len() - bodies.group_count;
-    bodies.group_of.resize(first_group, None);
-    let mut found: Vec<_> = groups.iter().collect();
-    found.sort_unstable_by_key(|group| *group.1);
+    let mut sorted: Vec<_> = groups.iter().collect();
+    sorted.sort_unstable_by_key(|group| *group.1);
     for (index, (entity, id, group, position, motion, drives, load)) in
-        found.into_iter().enumerate()
+        sorted.into_iter().enumerate()
     {
-        let Some(row) = bodies.row(*id) else { continue };
         let mut members: Vec<u32> = group
             .members
             .iter()
@@ -70,13 +66,8 @@ pub fn gather(bodies: &mut BodyTable, groups: &GroupQuery) {
             let place = bodies.positions[wall.body as usize];
             state.extent = state.extent.max(place.distance(state.centre) + wall.extent());
         }
-        bodies.entities[row] = entity;
-        bodies.positions[row] = state.centre;
-        bodies.velocities[row] = state.velocity;
-        bodies.angular_velocities[row] = state.spin;
-        bodies.last_motion[row] = motion.0;
         bodies.groups.push(GroupRow {
-            body: row as u32,
+            body: bodies.ids.len() as u32,
             members,
             mass: state.mass,
             inertia: state.inertia,
@@ -84,6 +75,12 @@ pub fn gather(bodies: &mut BodyTable, groups: &GroupQuery) {
             drives: drives.0,
             loads: load.ramps(),
         });
+        bodies.ids.push(*id);
+        bodies.entities.push(entity);
+        bodies.positions.push(state.centre);
+        bodies.velocities.push(state.velocity);
+        bodies.angular_velocities.push(state.spin);
+        bodies.last_motion.push(motion.0);
     }
 }
 

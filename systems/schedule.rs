@@ -18,11 +18,7 @@ use std::time::Instant;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
-use bevy_ecs::schedule::{
-    InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-};
+use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact_history::KeptRows;
@@ -158,52 +154,22 @@ impl Plugin for SchedulePlugin {
         app.init_resource::<ClasticProgress>()
             .init_resource::<Timings>()
             .insert_resource(Lap(Instant::now()));
-        let settings = ScheduleBuildSettings {
-            // An unstated order could change with other plugins, so it is an error.
-            ambiguity_detection: LogLevel::Error,
-            hierarchy_detection: LogLevel::Error,
-            ..Default::default()
-        };
-        // The schedules are edited and not added: a plugin that was added before this one may have
-        // systems in them.
-        let mut edit = |label: InternedScheduleLabel, configure: fn(&mut Schedule)| {
-            app.edit_schedule(label, |schedule| {
-                schedule.set_build_settings(settings.clone());
-                // The parts of an increment form a chain: threads would only wait for each other.
-                schedule.set_executor(SingleThreadedExecutor::new());
-                configure(schedule);
-            });
-        };
-        edit(Increment.intern(), |schedule| {
+        edit_chain(app, Increment, |schedule| {
             // The condition of a set is evaluated once, before its first system: what begins after
             // `Gather` is finished, even if a later system halts the world.
             schedule.configure_sets(AfterGather.run_if(not(resource_exists::<ClasticHalted>)));
-            schedule.configure_sets(
-                (
-                    IncrementSystems::Renumber,
-                    IncrementSystems::Draft,
-                    IncrementSystems::Attempts,
-                    IncrementSystems::Update,
-                    IncrementSystems::Rupture,
-                    IncrementSystems::Record,
-                )
-                    .in_set(AfterGather),
+            let after_gather = (
+                IncrementSystems::Renumber.run_if(rows_changed),
+                IncrementSystems::Draft,
+                IncrementSystems::Attempts,
+                IncrementSystems::Update.run_if(committed),
+                IncrementSystems::Rupture.run_if(committed),
+                IncrementSystems::Record,
             );
-            schedule.configure_sets(
-                (
-                    IncrementSystems::Controls,
-                    IncrementSystems::Gather,
-                    IncrementSystems::Renumber.run_if(rows_changed),
-                    IncrementSystems::Draft,
-                    IncrementSystems::Attempts,
-                    IncrementSystems::Update.run_if(committed),
-                    IncrementSystems::Rupture.run_if(committed),
-                    IncrementSystems::Record,
-                )
-                    .chain(),
-            );
+            let begin = (IncrementSystems::Controls, IncrementSystems::Gather).chain();
+            schedule.configure_sets((begin, after_gather.chain().in_set(AfterGather)).chain());
         });
-        edit(AttemptIncrement.intern(), |schedule| {
+        edit_chain(app, AttemptIncrement, |schedule| {
             schedule.configure_sets(
                 (
                     AttemptSystems::Detect,
@@ -216,9 +182,28 @@ impl Plugin for SchedulePlugin {
                     .chain(),
             );
         });
-        edit(ControlWalls.intern(), |schedule| {
+        edit_chain(app, ControlWalls, |schedule| {
             schedule.configure_sets((ControlSystems::BuiltIn, ControlSystems::Custom).chain());
         });
-        edit(AddTrialLoads.intern(), |_| {});
+        edit_chain(app, AddTrialLoads, |_| {});
     }
+}
+
+/// Edits a schedule whose parts form a chain: threads would only wait for each other. It is edited and
+/// not added, because a plugin that was added before may have systems in it.
+pub(crate) fn edit_chain(
+    app: &mut App,
+    label: impl ScheduleLabel,
+    configure: impl Fn(&mut Schedule),
+) {
+    app.edit_schedule(label, |schedule| {
+        schedule.set_build_settings(ScheduleBuildSettings {
+            // An unstated order could change with other plugins, so it is an error.
+            ambiguity_detection: LogLevel::Error,
+            hierarchy_detection: LogLevel::Error,
+            ..Default::default()
+        });
+        schedule.set_executor(SingleThreadedExecutor::new());
+        configure(schedule);
+    });
 }

@@ -16,11 +16,7 @@ use bevy_app::{
     RunFixedMainLoop, RunFixedMainLoopSystems, Update,
 };
 use bevy_ecs::prelude::*;
-#[cfg(feature = "reflect")]
-use bevy_ecs::reflect::ReflectResource;
-use bevy_ecs::schedule::{
-    InternedScheduleLabel, LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor,
-};
+use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy_time::{Fixed, Time};
 
 use clastic_components::attempt::{Attempt, IncrementStatus};
@@ -30,7 +26,7 @@ use clastic_components::wall::Wall;
 
 use crate::mechanism::proof;
 pub use crate::schedule::ClasticHalted;
-use crate::schedule::Increment;
+use crate::schedule::{Increment, edit_chain};
 
 /// One increment with the work before and after it.
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -55,12 +51,6 @@ pub enum AdvanceSystems {
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct IncrementDue(pub bool);
-
-impl Default for IncrementDue {
-    fn default() -> Self {
-        Self(true)
-    }
-}
 
 /// Whether the increment has been undone. [`advance`] then runs [`AdvanceIncrement`] again.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -166,15 +156,7 @@ impl Default for SteppingPlugin {
 
 impl Plugin for SteppingPlugin {
     fn build(&self, app: &mut App) {
-        // The schedule is edited and not added: a plugin that was added before this one may have
-        // systems in it.
-        app.edit_schedule(AdvanceIncrement, |advance| {
-            advance.set_build_settings(ScheduleBuildSettings {
-                ambiguity_detection: LogLevel::Error,
-                hierarchy_detection: LogLevel::Error,
-                ..Default::default()
-            });
-            advance.set_executor(SingleThreadedExecutor::new());
+        edit_chain(app, AdvanceIncrement, |advance| {
             advance.configure_sets(
                 (
                     AdvanceSystems::Begin.run_if(not(resource_exists::<ClasticHalted>)),
@@ -187,7 +169,7 @@ impl Plugin for SteppingPlugin {
             );
             advance.add_systems(increment.in_set(AdvanceSystems::Increment));
         });
-        app.init_resource::<IncrementDue>()
+        app.insert_resource(IncrementDue(true))
             .init_resource::<IncrementCommitted>()
             .init_resource::<IncrementUndone>()
             .init_resource::<ClasticRunning>()

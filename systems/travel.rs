@@ -10,10 +10,8 @@
 //!
 //! The travel of a grain is the larger of the two, in radii.
 
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_cone::program::{ConeProgram, ConeSolution};
-
 use crate::assemble_program::scales::maximum_imposed;
+use crate::solved::Solved;
 use crate::turns::{is_imposed, of_pairs};
 
 /// Factor of the displacement of a grain that carries load. The maximum travel of a step then allows a
@@ -23,14 +21,10 @@ const WAY: f64 = 0.3;
 /// The grain with the maximum travel, and this travel in its radii. Grains with an imposed motion have
 /// none.
 #[must_use]
-pub fn furthest(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> Option<(usize, f64)> {
+pub fn furthest(solved: Solved) -> Option<(usize, f64)> {
+    let Solved { bodies, contacts, solution, .. } = solved;
     let imposed = maximum_imposed(bodies);
-    let turns = of_pairs(bodies, contacts, program, solution, |k| contacts.0[k].normal).loaded;
+    let turns = of_pairs(solved, |k| contacts.0[k].normal).loaded;
     let travel = |i: usize| {
         let u = &solution.displacements[i];
         let way = (u[0].hypot(u[1]) - imposed).max(0.0) / bodies.radii[i];

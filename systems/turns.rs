@@ -14,11 +14,13 @@
 //! the circle.
 
 use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::Acceptance;
 use clastic_components::wall_shape::Curve;
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::ConeSolution;
 use glam::DVec2;
+
+use crate::solved::Solved;
 
 /// Minimum force of a contact that carries load, over the maximum force.
 const LOADED: f64 = 1e-3;
@@ -41,44 +43,28 @@ const UNSUPPORTED: f64 = 5.0;
 /// The grain with the maximum turn, and this turn, rad: in the increment, or with `is_followed` from
 /// the normals of the program.
 #[must_use]
-pub fn furthest(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    is_followed: bool,
-) -> Option<(usize, f64)> {
-    let of_program = |k: usize| program.interactions[k].normal;
-    let normal = |k: usize| if is_followed { of_program(k) } else { contacts.0[k].normal };
-    let pairs = of_pairs(bodies, contacts, program, solution, normal);
-    let turns = of_grains(bodies, solution, &pairs);
+pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
+    let turns = if is_followed {
+        of_grains(solved, &of_pairs(solved, |k| solved.program.interactions[k].normal))
+    } else {
+        turns(solved)
+    };
     turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// The grain with the maximum turn in the increment, if it exceeds [`Acceptance::turn`], and this turn,
 /// rad.
 #[must_use]
-pub fn too_far(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    acceptance: &Acceptance,
-) -> Option<(usize, f64)> {
-    let far = furthest(bodies, contacts, program, solution, false);
-    far.filter(|(_, turn)| !(*turn <= acceptance.turn))
+pub fn too_far(solved: Solved, acceptance: &Acceptance) -> Option<(usize, f64)> {
+    furthest(solved, false).filter(|(_, turn)| !(*turn <= acceptance.turn))
 }
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.
 /// Grains with an imposed motion do not count.
 #[must_use]
-pub fn of_loaded(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> f64 {
-    let pairs = of_pairs(bodies, contacts, program, solution, |k| program.interactions[k].normal);
+pub fn of_loaded(solved: Solved) -> f64 {
+    let Solved { bodies, program, .. } = solved;
+    let pairs = of_pairs(solved, |k| program.interactions[k].normal);
     let of_free = (0..bodies.particles).filter(|i| !is_imposed(bodies, *i));
     of_free.filter_map(|i| pairs.loaded[i]).fold(0.0, f64::max)
 }
@@ -93,15 +79,9 @@ pub fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64>
 
 /// Whether a solution moves grains so far that they lack support.
 #[must_use]
-pub fn is_unsupported(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> bool {
-    solution.displacements.len() == bodies.rows_in_program()
-        && furthest(bodies, contacts, program, solution, false)
-            .is_some_and(|(_, turn)| turn > UNSUPPORTED)
+pub fn is_unsupported(solved: Solved) -> bool {
+    solved.solution.displacements.len() == solved.bodies.rows_in_program()
+        && furthest(solved, false).is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }
 
 /// By grain, the maximum turn in the increment of its bonds and of its contacts that carry load, rad. A grain
@@ -109,17 +89,11 @@ pub fn is_unsupported(
 /// without pairs or with an imposed motion has none. A member of a rigid group turns by at least as
 /// much as the group.
 #[must_use]
-pub fn turns(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> Vec<f64> {
-    let pairs = of_pairs(bodies, contacts, program, solution, |k| contacts.0[k].normal);
-    of_grains(bodies, solution, &pairs)
+pub fn turns(solved: Solved) -> Vec<f64> {
+    of_grains(solved, &of_pairs(solved, |k| solved.contacts.0[k].normal))
 }
 
-fn of_grains(bodies: &BodyTable, solution: &ConeSolution, pairs: &PairTurns) -> Vec<f64> {
+fn of_grains(Solved { bodies, solution, .. }: Solved, pairs: &PairTurns) -> Vec<f64> {
     let PairTurns { loaded, nearest } = pairs;
     let of_grain = |i: usize| {
         if is_imposed(bodies, i) {
@@ -150,19 +124,13 @@ pub(crate) struct PairTurns {
 }
 
 /// Turns of the pairs of each grain from the given normals.
-pub(crate) fn of_pairs(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    normal: impl Fn(usize) -> DVec2,
-) -> PairTurns {
-    let n = bodies.particles;
-    let carrying = carrying(solution);
+pub(crate) fn of_pairs(solved: Solved, normal: impl Fn(usize) -> DVec2) -> PairTurns {
+    let n = solved.bodies.particles;
+    let carrying = carrying(solved.solution);
     let mut loaded = vec![None::<f64>; n];
     let mut nearest = vec![f64::INFINITY; n];
-    for (k, contact) in contacts.0.iter().enumerate() {
-        let turn = turn(bodies, program, &solution.displacements, contact, normal(k));
+    for (k, contact) in solved.contacts.0.iter().enumerate() {
+        let turn = turn(solved, contact, normal(k));
         let carries = contact.bond.is_some() || carrying.get(k).is_some_and(|carries| *carries);
         for i in [contact.a as usize, contact.b as usize].into_iter().filter(|i| *i < n) {
             if carries {
@@ -177,8 +145,7 @@ pub(crate) fn of_pairs(
 /// Vector from a particle to the centre of the circle of the wall that it touches, m; `None` where
 /// the wall is straight.
 fn centre_of_curve(bodies: &BodyTable, contact: &Contact) -> Option<DVec2> {
-    let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
-    let wall = bodies.walls.get(k).filter(|wall| !wall.is_line())?;
+    let wall = bodies.wall(contact.b).filter(|wall| !wall.is_line())?;
     let to_wall = bodies.positions[contact.b as usize] - bodies.positions[contact.a as usize];
     match wall.nearest(to_wall, DVec2::ZERO).curve {
         Curve::Round(centre) | Curve::Hollow(centre) => Some(to_wall + centre),
@@ -187,13 +154,8 @@ fn centre_of_curve(bodies: &BodyTable, contact: &Contact) -> Option<DVec2> {
 }
 
 /// Angle by which a solution turns the normal of a contact away from `normal`, to first order, rad.
-fn turn(
-    bodies: &BodyTable,
-    program: &ConeProgram,
-    u: &[[f64; 3]],
-    contact: &Contact,
-    normal: DVec2,
-) -> f64 {
+fn turn(Solved { bodies, program, solution, .. }: Solved, contact: &Contact, normal: DVec2) -> f64 {
+    let u = &solution.displacements;
     let [a, b] = [contact.a as usize, contact.b as usize];
     let moved = |i: usize| {
         let u = program.bodies[i].to_global(u[i]);

@@ -3,10 +3,10 @@
 
 use std::path::Path;
 
-use bevy_ecs::prelude::*;
 use clastic_components::body::BodyPosition;
 use clastic_components::contact::BodyTable;
 use clastic_systems::measures::stress::average_stress;
+use clastic_systems::solved::Solved;
 
 use super::*;
 use crate::run::Simulation;
@@ -63,16 +63,7 @@ fn a_frame_has_the_bodies_forces_and_stresses_of_the_engine() {
         let volume = std::f64::consts::PI * f64::from(*r).powi(2) * thickness;
         (0..3).for_each(|k| sum[k] += volume * f64::from(stress[k]));
     }
-    let all = world
-        .run_system_cached(
-            |bodies: Res<BodyTable>,
-             contacts: Res<clastic_components::contact::ContactTable>,
-             program: Res<clastic_cone::program::ConeProgram>,
-             solution: Res<clastic_cone::program::ConeSolution>| {
-                average_stress(&bodies, &contacts, &program, &solution, 1.0, 1.0)
-            },
-        )
-        .unwrap();
+    let all = average_stress(Solved::of(world), 1.0, 1.0);
     let expected = [all[0][0], all[1][1], 0.5 * (all[0][1] + all[1][0])];
     for k in 0..3 {
         assert!((sum[k] - expected[k]).abs() < 1e-3 * expected[1].abs(), "{sum:?} {expected:?}");

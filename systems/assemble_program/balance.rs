@@ -8,74 +8,137 @@ use glam::DVec2;
 
 use clastic_components::body::BodyDrive;
 use clastic_components::cell::CellControl;
-use clastic_components::contact::BodyTable;
+use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::loads::TrialLoads;
-use clastic_components::rigid_group::GroupRow;
+use clastic_components::loads::AddedLoad;
 use clastic_components::wall::WallDrive;
-use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
+use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
 
-/// Fills `out` with one entry per body.
-pub fn assemble(
-    bodies: &BodyTable,
-    analysis: &ClasticAnalysis,
-    progress: &ClasticProgress,
-    interactions: &[Interaction],
-    loads: &TrialLoads,
-    out: &mut Vec<ProgramBody>,
-) {
-    let fraction = progress.fraction;
-    // Whether interactions act on the (translation, rotation) of a body.
-    let mut touched = vec![(false, false); bodies.positions.len()];
-    for c in interactions {
-        let turns = c.limits.has_shear() || c.limits.has_rolling();
-        for (body, normal_arm) in [(c.a, c.normal_arm_a), (c.b, c.normal_arm_b)] {
-            let t = &mut touched[body as usize];
-            *t = (true, t.1 || turns || normal_arm != 0.0);
-        }
-    }
-    let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies) };
-    let added = |i: usize| added.get(i).copied().unwrap_or_default();
-    let affine = Affine::of(bodies, analysis, fraction);
-    let still = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };
+use super::{Settings, Trial, cell};
+
+/// A body that does not move.
+const STILL: ProgramBody = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };
+
+/// Fills the bodies of the program, one per row.
+pub(super) fn assemble(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
+    let rows = Rows::new(trial, settings, &program.interactions);
+    let bodies = rows.bodies;
+    let out = &mut program.bodies;
     out.clear();
-    out.resize(bodies.positions.len(), still);
-    for i in 0..bodies.particles {
-        for k in 0..3 {
-            out[i].dofs[k] = match bodies.drive(i, k) {
-                BodyDrive::Imposed(u) => Dof::Fixed(fraction * u),
-                BodyDrive::Free => {
-                    let mut free =
-                        particle_dof(bodies, analysis, progress.increment, fraction, &affine, i, k);
-                    free.load += added(i)[k].force;
-                    free.inertia += added(i)[k].stiffness;
-                    let acted = if k < 2 { touched[i].0 } else { touched[i].1 };
-                    if acted || (free.inertia == 0.0 && free.load != 0.0) {
-                        Dof::Free(free)
-                    } else if free.inertia > 0.0 {
-                        Dof::Fixed(free.load / free.inertia)
-                    } else {
-                        Dof::Fixed(0.0)
-                    }
-                }
-            };
-        }
-    }
+    out.extend((0..bodies.particles).map(|i| rows.particle(i)));
+    out.resize(bodies.positions.len(), STILL);
     for group in &bodies.groups {
-        let row = group.body as usize;
-        for &member in &group.members {
-            // Interactions act on the group.
-            out[member as usize] = still;
-        }
-        let mean = |x| affine.displacement(x);
-        out[row] =
-            super::groups::body(bodies, analysis, fraction, group, touched[row], added, mean);
+        // Interactions act on the group.
+        group.members.iter().for_each(|member| out[*member as usize] = STILL);
+        out[group.body as usize] = rows.group(group);
     }
-    for wall in &bodies.walls {
-        if bodies.group(wall.body as usize).is_some() {
-            continue;
+    for wall in bodies.walls.iter().filter(|wall| bodies.group(wall.body as usize).is_none()) {
+        out[wall.body as usize] = rows.wall(wall);
+    }
+    out.extend(bodies.cell.map(|cell| cell::body(bodies, &cell, rows.analysis, rows.progress)));
+}
+
+/// What the rows of the bodies follow from.
+pub(super) struct Rows<'a> {
+    pub bodies: &'a BodyTable,
+    pub analysis: &'a ClasticAnalysis,
+    pub progress: &'a ClasticProgress,
+    /// Loads of an embedding program by row; empty without any.
+    added: Vec<[AddedLoad; 3]>,
+    /// Whether interactions act on the (translation, rotation) of a body.
+    touched: Vec<(bool, bool)>,
+    affine: Affine,
+}
+
+impl<'a> Rows<'a> {
+    fn new(trial: &'a Trial, settings: &'a Settings, interactions: &[Interaction]) -> Self {
+        let Trial { bodies, loads, progress, .. } = trial;
+        let analysis = &settings.analysis;
+        let mut touched = vec![(false, false); bodies.positions.len()];
+        for c in interactions {
+            let turns = c.limits.has_shear() || c.limits.has_rolling();
+            for (body, normal_arm) in [(c.a, c.normal_arm_a), (c.b, c.normal_arm_b)] {
+                let t = &mut touched[body as usize];
+                *t = (true, t.1 || turns || normal_arm != 0.0);
+            }
         }
-        let drive = bodies.wall_drive(wall);
+        let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies) };
+        let affine = Affine::of(bodies, analysis, progress.fraction);
+        Self { bodies, analysis, progress, added, touched, affine }
+    }
+
+    /// Loads of an embedding program on a body.
+    pub fn added(&self, row: usize) -> [AddedLoad; 3] {
+        self.added.get(row).copied().unwrap_or_default()
+    }
+
+    /// Mean motion of a compaction at a place, m.
+    pub fn mean(&self, x: DVec2) -> DVec2 {
+        self.affine.displacement(x)
+    }
+
+    /// A degree of freedom that no drive imposes: unknown if interactions act on it, else known from
+    /// its load.
+    pub fn undriven(&self, row: usize, k: usize, free: FreeDof) -> Dof {
+        let acted = if k < 2 { self.touched[row].0 } else { self.touched[row].1 };
+        if acted || (free.inertia == 0.0 && free.load != 0.0) {
+            Dof::Free(free)
+        } else if free.inertia > 0.0 {
+            Dof::Fixed(free.load / free.inertia)
+        } else {
+            Dof::Fixed(0.0)
+        }
+    }
+
+    /// Adds the inertia of a mass to a degree of freedom of a body in a time step.
+    pub fn add_inertia(&self, row: usize, k: usize, mass: f64, free: &mut FreeDof) {
+        if let AnalysisKind::Dynamic { dt, theta } = self.analysis.kind {
+            let dt = dt * self.progress.fraction;
+            free.inertia = mass / (theta * dt * dt);
+            free.momentum = free.inertia * self.bodies.rates(row)[k] * dt;
+            free.load += free.momentum;
+        }
+    }
+
+    fn particle(&self, i: usize) -> ProgramBody {
+        let dof = |k: usize| match self.bodies.drive(i, k) {
+            BodyDrive::Imposed(u) => Dof::Fixed(self.progress.fraction * u),
+            BodyDrive::Free => {
+                let mut free = self.free_dof(i, k);
+                free.load += self.added(i)[k].force;
+                free.inertia += self.added(i)[k].stiffness;
+                self.undriven(i, k, free)
+            }
+        };
+        ProgramBody { axis: DVec2::X, dofs: [dof(0), dof(1), dof(2)] }
+    }
+
+    fn free_dof(&self, i: usize, k: usize) -> FreeDof {
+        let Self { bodies, analysis, progress, .. } = *self;
+        let applied = bodies.loads[i][k].at(progress.fraction);
+        let mass = bodies.mass_of(i, k);
+        let mut free = match analysis.kind {
+            AnalysisKind::Static => {
+                let weight = if k < 2 { bodies.static_weight(i, analysis.gravity)[k] } else { 0.0 };
+                FreeDof { load: applied + weight, ..FreeDof::default() }
+            }
+            AnalysisKind::Compaction { agitation, seed, .. } => {
+                let mean = if k < 2 { self.mean(bodies.positions[i])[k] } else { 0.0 };
+                let shaken = shake(seed, progress.increment, bodies.ids[i].0 as usize, k);
+                FreeDof { load: mean + agitation * shaken, inertia: 1.0, ..FreeDof::default() }
+            }
+            AnalysisKind::Dynamic { .. } => {
+                let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
+                FreeDof { load: applied + weight, ..FreeDof::default() }
+            }
+        };
+        self.add_inertia(i, k, mass, &mut free);
+        free
+    }
+
+    fn wall(&self, wall: &WallRow) -> ProgramBody {
+        let (row, fraction) = (wall.body as usize, self.progress.fraction);
+        let drive = self.bodies.wall_drive(wall);
         let dofs = match drive {
             WallDrive::Imposed(u) => [
                 Dof::Fixed(fraction * u.dot(wall.inward)),
@@ -84,22 +147,16 @@ pub fn assemble(
             ],
             WallDrive::Turning { about, angle } => {
                 let angle = fraction * angle;
-                let arm = bodies.positions[wall.body as usize] - about;
-                let [x, y, _] = GroupRow::carried([0.0, 0.0, angle], arm);
-                let u = DVec2::new(x, y);
-                [
-                    Dof::Fixed(u.dot(wall.inward)),
-                    Dof::Fixed(u.dot(wall.inward.perp())),
-                    Dof::Fixed(angle),
-                ]
+                let u = self.bodies.swing(wall, about, angle);
+                [u.dot(wall.inward), u.dot(wall.inward.perp()), angle].map(Dof::Fixed)
             }
             WallDrive::Loaded(force) | WallDrive::Sliding { load: force, .. } => {
-                let [x, y, _] = added(wall.body as usize).map(|load| load.force);
+                let [x, y, _] = self.added(row).map(|load| load.force);
                 let load = force.at(fraction) + wall.inward.dot(DVec2::new(x, y));
-                let load = FreeDof { load, ..FreeDof::default() };
                 // A loaded wall without contact stands still until the specimen touches it.
-                let waits = !touched[wall.body as usize].0 && load.load == 0.0;
-                let along = if waits { Dof::Fixed(0.0) } else { Dof::Free(load) };
+                let waits = !self.touched[row].0 && load == 0.0;
+                let free = Dof::Free(FreeDof { load, ..FreeDof::default() });
+                let along = if waits { Dof::Fixed(0.0) } else { free };
                 // The second axis is the negative tangent.
                 let slid = match drive {
                     WallDrive::Sliding { along, .. } => -fraction * along,
@@ -108,43 +165,7 @@ pub fn assemble(
                 [along, Dof::Fixed(slid), Dof::Fixed(0.0)]
             }
         };
-        out[wall.body as usize] = ProgramBody { axis: wall.inward, dofs };
-    }
-    if let Some(cell) = &bodies.cell {
-        out.push(super::cell::body(bodies, cell, analysis, progress));
-    }
-}
-
-fn particle_dof(
-    bodies: &BodyTable,
-    analysis: &ClasticAnalysis,
-    increment: u64,
-    fraction: f64,
-    affine: &Affine,
-    i: usize,
-    k: usize,
-) -> FreeDof {
-    let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
-    let applied = bodies.loads[i][k].at(fraction);
-    match analysis.kind {
-        AnalysisKind::Static => {
-            let weight = if k < 2 { bodies.static_weight(i, analysis.gravity)[k] } else { 0.0 };
-            FreeDof { load: applied + weight, ..FreeDof::default() }
-        }
-        AnalysisKind::Compaction { agitation, seed, .. } => {
-            let mean = if k < 2 { affine.displacement(bodies.positions[i])[k] } else { 0.0 };
-            let u = mean + agitation * shake(seed, increment, bodies.ids[i].0 as usize, k);
-            FreeDof { load: u, inertia: 1.0, ..FreeDof::default() }
-        }
-        AnalysisKind::Dynamic { dt, theta } => {
-            let dt = dt * fraction;
-            let inertia = mass / (theta * dt * dt);
-            let v = if k < 2 { bodies.velocities[i][k] } else { bodies.angular_velocities[i] };
-            let momentum = inertia * v * dt;
-            let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
-            let load = applied + weight + momentum;
-            FreeDof { load, momentum, inertia, ..FreeDof::default() }
-        }
+        ProgramBody { axis: wall.inward, dofs }
     }
 }
 

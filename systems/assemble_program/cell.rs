@@ -1,6 +1,7 @@
 //! The deformation of a periodic cell in the program: a body with the change of its width, of its
 //! height and its shear as degrees of freedom, of which each is imposed or free under a stress.
 
+use clastic_components::body::Ramp;
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
@@ -67,4 +68,20 @@ pub fn hold_one(bodies: &BodyTable, history: &ContactHistory, program: &mut Cone
             *dof = Dof::Fixed(0.0);
         }
     }
+}
+
+/// Loads of the body in the whole increment that was just committed: the stresses of the controls
+/// on the area at its start. Zero along an imposed strain and without a cell.
+pub fn loads(
+    bodies: &BodyTable,
+    analysis: &ClasticAnalysis,
+    progress: &ClasticProgress,
+) -> [Ramp; 3] {
+    let Some(cell) = &bodies.cell else { return [Ramp::default(); 3] };
+    let start = ClasticProgress { done: progress.done - progress.fraction, ..progress.clone() };
+    let factors = cell.loads_of_controls(bodies.mean_radius, analysis.thickness);
+    [0, 1, 2].map(|k| match cell.controls[k] {
+        CellControl::Imposed(_) => Ramp::default(),
+        CellControl::Stress { from, to } => start.ramp(from, to).times(factors[k]),
+    })
 }

@@ -3,11 +3,12 @@
 
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::loads::AddedLoad;
+use clastic_components::increment::AnalysisKind;
 use clastic_components::rigid_group::GroupRow;
 use clastic_cone::program::{Dof, FreeDof, Interaction, ProgramBody};
 use glam::DVec2;
+
+use super::balance::Rows;
 
 /// Moves the forces on members of rigid groups to the bodies of the groups.
 pub fn join(bodies: &BodyTable, interactions: &mut [Interaction]) {
@@ -23,81 +24,52 @@ pub fn join(bodies: &BodyTable, interactions: &mut [Interaction]) {
     }
 }
 
-/// The body of a group: its loads, and its inertia in dynamics. `acts` tells whether interactions
-/// act on its translations and on its rotation. `added` are the loads of an embedding program, by
-/// row.
-#[must_use]
-pub fn body(
-    bodies: &BodyTable,
-    analysis: &ClasticAnalysis,
-    fraction: f64,
-    group: &GroupRow,
-    acts: (bool, bool),
-    added: impl Fn(usize) -> [AddedLoad; 3],
-    mean: impl Fn(DVec2) -> DVec2,
-) -> ProgramBody {
-    let row = group.body as usize;
-    let mut load = bodies.load_on_group(group, fraction, analysis.gravity);
-    let mut stiffness = [0.0; 3];
-    for k in 0..3 {
-        load[k] += added(row)[k].force;
-        stiffness[k] = added(row)[k].stiffness;
-    }
-    for i in group.members.iter().map(|i| *i as usize) {
-        let lever = bodies.lever(group, i);
-        let [x, y, moment] = added(i).map(|load| load.force);
-        load[0] += x;
-        load[1] += y;
-        load[2] += moment + lever.perp_dot(DVec2::new(x, y));
-    }
-    let dof = |k: usize| {
-        if let BodyDrive::Imposed(u) = bodies.group_drive(group, k) {
-            return Dof::Fixed(fraction * u);
+impl Rows<'_> {
+    /// The body of a group: its loads, and its inertia in dynamics.
+    pub(super) fn group(&self, group: &GroupRow) -> ProgramBody {
+        let (bodies, row) = (self.bodies, group.body as usize);
+        let fraction = self.progress.fraction;
+        let mut load = bodies.load_on_group(group, fraction, self.analysis.gravity);
+        for k in 0..3 {
+            load[k] += self.added(row)[k].force;
         }
-        let mut free = FreeDof { load: load[k], ..FreeDof::default() };
-        match analysis.kind {
-            AnalysisKind::Static => {}
-            AnalysisKind::Compaction { .. } => free = compaction_inertia(bodies, group, k, &mean),
-            AnalysisKind::Dynamic { dt, theta } => {
-                let dt = dt * fraction;
-                let v =
-                    if k < 2 { bodies.velocities[row][k] } else { bodies.angular_velocities[row] };
-                free.inertia = group.mass_of(k) / (theta * dt * dt);
-                free.momentum = free.inertia * v * dt;
-                free.load += free.momentum;
+        for i in group.members.iter().map(|i| *i as usize) {
+            let lever = bodies.lever(group, i);
+            let [x, y, moment] = self.added(i).map(|load| load.force);
+            load[0] += x;
+            load[1] += y;
+            load[2] += moment + lever.perp_dot(DVec2::new(x, y));
+        }
+        let dof = |k: usize| {
+            if let BodyDrive::Imposed(u) = bodies.group_drive(group, k) {
+                return Dof::Fixed(fraction * u);
+            }
+            let mut free = match self.analysis.kind {
+                AnalysisKind::Compaction { .. } => self.compaction_of(group, k),
+                _ => FreeDof { load: load[k], ..FreeDof::default() },
+            };
+            self.add_inertia(row, k, group.mass_of(k), &mut free);
+            free.inertia += self.added(row)[k].stiffness;
+            self.undriven(row, k, free)
+        };
+        ProgramBody { axis: DVec2::X, dofs: [dof(0), dof(1), dof(2)] }
+    }
+
+    /// The degree of freedom of a compaction: the rigid motion that is nearest to the mean motion at
+    /// the members, with unit weight on each of them.
+    fn compaction_of(&self, group: &GroupRow, k: usize) -> FreeDof {
+        let bodies = self.bodies;
+        let mut free = FreeDof::default();
+        for i in bodies.particles_of(group) {
+            let (u, lever) = (self.mean(bodies.positions[i]), bodies.lever(group, i));
+            if k < 2 {
+                free.load += u[k];
+                free.inertia += 1.0;
+            } else {
+                free.load += lever.perp_dot(u);
+                free.inertia += lever.length_squared() + bodies.radii[i] * bodies.radii[i];
             }
         }
-        free.inertia += stiffness[k];
-        let acted = if k < 2 { acts.0 } else { acts.1 };
-        if acted || (free.inertia == 0.0 && free.load != 0.0) {
-            Dof::Free(free)
-        } else if free.inertia > 0.0 {
-            Dof::Fixed(free.load / free.inertia)
-        } else {
-            Dof::Fixed(0.0)
-        }
-    };
-    ProgramBody { axis: DVec2::X, dofs: [dof(0), dof(1), dof(2)] }
-}
-
-/// The degree of freedom of a compaction: the rigid motion that is nearest to the mean motion at
-/// the members, with unit weight on each of them.
-fn compaction_inertia(
-    bodies: &BodyTable,
-    group: &GroupRow,
-    k: usize,
-    mean: &impl Fn(DVec2) -> DVec2,
-) -> FreeDof {
-    let mut free = FreeDof::default();
-    for i in bodies.particles_of(group) {
-        let (u, lever) = (mean(bodies.positions[i]), bodies.lever(group, i));
-        if k < 2 {
-            free.load += u[k];
-            free.inertia += 1.0;
-        } else {
-            free.load += lever.perp_dot(u);
-            free.inertia += lever.length_squared() + bodies.radii[i] * bodies.radii[i];
-        }
+        free
     }
-    free
 }

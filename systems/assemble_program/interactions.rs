@@ -15,133 +15,110 @@
 
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, BondRow, Contact};
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::findings::{Corrections, Pushed};
+use clastic_components::findings::Pushed;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::material::{ContactLaw, Materials};
-use clastic_cone::program::{Interaction, Limits};
+use clastic_components::material::ContactLaw;
+use clastic_cone::program::{ConeProgram, Interaction, Limits};
 
-use crate::contact_laws::contact_law;
+use super::{Found, Settings, Trial};
+use crate::contact_laws::Laws;
 
 /// Rigid overlaps below this, in mean radii, are round-off of the last increment. A static program
 /// need not remove them. Between bodies that cannot move they would otherwise count as an imposed
 /// overlap.
 pub(super) const ROUND_OFF: f64 = 1e-9;
 
-/// Findings of the judges that change interactions.
-#[derive(Clone, Copy)]
-pub struct Findings<'a> {
-    /// Geometry about the guess of the end of the increment.
-    pub corrections: &'a Corrections,
-    /// Whether rigid overlaps have been pushed apart.
-    pub pushed: &'a Pushed,
+/// Fills the interactions with one per contact, in the order of the contacts, and the last forces with
+/// theirs after the last increment.
+pub(super) fn assemble(
+    trial: &Trial,
+    settings: &Settings,
+    found: &Found,
+    program: &mut ConeProgram,
+) {
+    let Trial { bodies, contacts, history, .. } = trial;
+    let Settings { materials, analysis, .. } = settings;
+    let laws = Laws { bodies, materials, analysis };
+    let ConeProgram { interactions, last_forces, .. } = program;
+    interactions.clear();
+    last_forces.clear();
+    let mut memory_of = history.0.ascending();
+    interactions.extend(contacts.0.iter().map(|contact| {
+        let memory = memory_of(contact.a, contact.b).map_or([0.0; 3], |m| [m.p, m.q, m.tau]);
+        last_forces.push(memory);
+        let law = match contact.bond.map(|k| &bodies.bonds[k as usize]) {
+            Some(bond) => bonded(bodies, analysis, contact, bond),
+            None => unbonded(bodies, &found.pushed, contact, &laws.contact(contact)),
+        };
+        interaction(trial, settings, found, contact, law, memory)
+    }));
 }
 
-/// Fills `out` with one interaction per contact, in the order of the contacts, and `last` with
-/// their forces after the last increment.
-pub fn assemble(
-    bodies: &BodyTable,
-    contacts: &[Contact],
-    history: &ContactHistory,
-    materials: &Materials,
-    analysis: &ClasticAnalysis,
-    findings: Findings,
-    out: &mut Vec<Interaction>,
-    last: &mut Vec<[f64; 3]>,
-) {
-    out.clear();
-    last.clear();
-    let mut memory_of = history.ascending();
-    out.extend(contacts.iter().map(|contact| {
-        let law = contact_law(bodies, materials, analysis, contact);
-        let memory = memory_of(contact.a, contact.b);
-        last.push(memory.map_or([0.0; 3], |m| [m.p, m.q, m.tau]));
-        let memory = memory.map_or([0.0; 2], |m| [m.q, m.tau]);
-        match contact.bond.map(|k| &bodies.bonds[k as usize]) {
-            Some(bond) => bonded(bodies, analysis, findings, contact, bond, memory),
-            None => unbonded(bodies, analysis, findings, contact, &law, memory),
-        }
-    }));
+/// What the law of a contact or of a bond says of an interaction.
+struct Law {
+    /// Gap less that without normal force, m.
+    gap: f64,
+    /// Normal, tangential and rolling compliance.
+    compliances: [f64; 3],
+    limits: Limits,
 }
 
 fn bonded(
     bodies: &BodyTable,
     analysis: &ClasticAnalysis,
-    findings: Findings,
     contact: &Contact,
     bond: &BondRow,
-    memory: [f64; 2],
-) -> Interaction {
+) -> Law {
     let law = &bond.law;
     let radius = contact.common_radius(bodies);
     let strength = analysis.strength;
     let area = strength * 2.0 * radius * analysis.thickness;
-    let limits = Limits::new(
-        law.cohesion * area,
-        law.friction * strength,
-        law.tensile_strength * area,
-        law.rolling_friction * strength * radius,
-    );
-    interaction(
-        bodies,
-        analysis,
-        findings,
-        contact,
-        contact.gap - bond.initial_gap,
-        [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
-        memory,
-        limits,
-    )
+    Law {
+        gap: contact.gap - bond.initial_gap,
+        compliances: [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
+        limits: Limits::new(
+            law.cohesion * area,
+            law.friction * strength,
+            law.tensile_strength * area,
+            law.rolling_friction * strength * radius,
+        ),
+    }
 }
 
-fn unbonded(
-    bodies: &BodyTable,
-    analysis: &ClasticAnalysis,
-    findings: Findings,
-    contact: &Contact,
-    law: &ContactLaw,
-    memory: [f64; 2],
-) -> Interaction {
+fn unbonded(bodies: &BodyTable, pushed: &Pushed, contact: &Contact, law: &ContactLaw) -> Law {
     let rolling = law.rolling_friction * contact.common_radius(bodies);
-    let limits = Limits::new(0.0, law.friction, 0.0, rolling);
     // The motion that separates overlaps is known. Forces and velocities are those of bodies that
     // just touch.
-    let touches = findings.pushed.0.is_some() && law.normal_compliance == 0.0;
-    let gap = if touches { contact.gap.max(0.0) } else { contact.gap };
-    interaction(
-        bodies,
-        analysis,
-        findings,
-        contact,
-        gap,
-        [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
-        memory,
-        limits,
-    )
+    let touches = pushed.0.is_some() && law.normal_compliance == 0.0;
+    Law {
+        gap: if touches { contact.gap.max(0.0) } else { contact.gap },
+        compliances: [law.normal_compliance, law.tangential_compliance, law.rolling_compliance],
+        limits: Limits::new(0.0, law.friction, 0.0, rolling),
+    }
 }
 
 fn interaction(
-    bodies: &BodyTable,
-    analysis: &ClasticAnalysis,
-    findings: Findings,
+    trial: &Trial,
+    settings: &Settings,
+    found: &Found,
     contact: &Contact,
-    gap: f64,
-    [normal, tangential, rolling]: [f64; 3],
-    [shear, moment]: [f64; 2],
-    limits: Limits,
+    law: Law,
+    [_, shear, moment]: [f64; 3],
 ) -> Interaction {
+    let (bodies, analysis, corrections) = (&trial.bodies, &settings.analysis, &found.corrections);
+    let Law { gap, compliances: [normal, tangential, rolling], limits } = law;
     let theta = analysis.kind.theta();
     let pair = (contact.a, contact.b);
-    let correction = findings.corrections.of(pair);
+    let correction = corrections.of(pair);
     let (direction, at) = correction.map_or((contact.normal, contact.gap), |c| (c.normal, c.gap));
     // The contact point is the middle of the gap. The arms then add up to the centre distance, so
     // that angular momentum is conserved to round-off.
     let half_gap = 0.5 * at;
     let arm_b = bodies.radii.get(contact.b as usize).map_or(0.0, |r| r + half_gap);
     // The correction applies to the end of the increment, and the program uses averages over it.
-    let [turned, lag] = findings.corrections.shift(contact);
+    let [turned, lag] = corrections.shift(contact);
     let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
-    let shift = findings.corrections.shear_shift(pair, tangential_compliance);
+    let shift = corrections.shear_shift(pair, tangential_compliance);
     let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
     let gap = match analysis.kind {
         AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,

@@ -18,13 +18,12 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
-use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed, Restraints};
+use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
 use clastic_cone::program::ConeProgram;
 
-use self::interactions::Findings;
 use crate::impacts::rebounds::{assemble_rebounds, has_restitution};
 use crate::links;
 use crate::rupture::bonds::lift_strengths;
@@ -77,7 +76,6 @@ pub struct Found<'w> {
     corrections: Res<'w, Corrections>,
     pushed: Res<'w, Pushed>,
     search: Res<'w, EventSearch>,
-    restraints: Res<'w, Restraints>,
     centre: Res<'w, Centre>,
 }
 
@@ -89,30 +87,18 @@ pub fn balance_bodies(
     found: Found,
     mut program: ResMut<ConeProgram>,
 ) {
-    let program = &mut *program;
-    assemble_bodies(&trial, &settings, program);
-    let Settings { analysis, acceptance, .. } = &settings;
     let Trial { bodies, contacts, history, attempt, .. } = &trial;
-    program.scales = scales::estimate(
-        bodies,
-        &history.0,
-        analysis,
-        &trial.progress,
-        attempt.magnitudes,
-        contacts.0.len(),
-        program,
-    );
-    regularise::regularise(
-        bodies,
-        &contacts.0,
-        &history.0,
-        analysis,
-        acceptance,
-        &attempt.mode,
-        &found.restraints,
-        &found.centre,
-        program,
-    );
+    balance::assemble(&trial, &settings, &mut program);
+    if known_pairs::leave_out(bodies, &contacts.0, &mut program) {
+        // The bodies of these contacts may have no other interaction, and then their motion is
+        // known.
+        balance::assemble(&trial, &settings, &mut program);
+    }
+    if settings.analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
+        cell::hold_one(bodies, &history.0, &mut program);
+    }
+    program.scales = scales::estimate(&trial, &settings, &program);
+    regularise::regularise(&trial, &settings, &found, &mut program);
 }
 
 /// Fills the interactions of [`ConeProgram`]: one per contact, then one per link, then the ties of
@@ -124,53 +110,18 @@ pub fn assemble_interactions(
     mut program: ResMut<ConeProgram>,
 ) {
     let program = &mut *program;
-    let (bodies, contacts) = (&trial.bodies, &trial.contacts.0);
-    let Found { corrections, pushed, .. } = &found;
+    let Trial { bodies, progress, .. } = &trial;
     program.cell =
         bodies.cell.map(|cell| cell.in_program(bodies.positions.len(), bodies.mean_radius));
-    interactions::assemble(
-        bodies,
-        contacts,
-        &trial.history.0,
-        &settings.materials,
-        &settings.analysis,
-        Findings { corrections, pushed },
-        &mut program.interactions,
-        &mut program.last_forces,
-    );
+    interactions::assemble(&trial, &settings, &found, program);
+    let fraction = progress.fraction;
+    links::assemble(bodies, &settings.analysis, fraction, &mut program.interactions);
+    taut::assemble(&trial, &settings, &found, program);
     let interactions = &mut program.interactions;
-    links::assemble(bodies, &settings.analysis, trial.progress.fraction, interactions);
-    taut::assemble(
-        bodies,
-        contacts,
-        &settings.analysis,
-        corrections,
-        &program.last_forces,
-        interactions,
-    );
     if found.search.active && trial.attempt.effort().is_some() {
-        lift_strengths(contacts, interactions);
+        lift_strengths(&trial.contacts.0, interactions);
     }
     cell::set_images(bodies, interactions);
-    turning::carry(bodies, contacts, corrections, trial.progress.fraction, interactions);
+    turning::carry(&trial, &found, interactions);
     groups::join(bodies, interactions);
-}
-
-/// Fills the balance rows of the bodies.
-fn assemble_bodies(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
-    let Trial { bodies, contacts, history, loads, progress, attempt } = trial;
-    let analysis = &settings.analysis;
-    let balance = |program: &mut ConeProgram| {
-        let ConeProgram { interactions, bodies: rows, .. } = program;
-        balance::assemble(bodies, analysis, progress, interactions, loads, rows);
-    };
-    balance(program);
-    if known_pairs::leave_out(bodies, &contacts.0, program) {
-        // The bodies of these contacts may have no other interaction, and then their motion is
-        // known.
-        balance(program);
-    }
-    if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
-        cell::hold_one(bodies, &history.0, program);
-    }
 }

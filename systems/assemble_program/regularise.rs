@@ -7,14 +7,13 @@
 //! the tolerance. The residuals count this force as an error of the balance.
 
 use clastic_components::attempt::{Effort, Mode};
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::findings::{Bearing, Centre, Restraints};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
+use clastic_components::findings::Bearing;
+use clastic_components::increment::{Acceptance, AnalysisKind};
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, Dof};
 
 use super::underconstrained::find_underconstrained;
+use super::{Found, Settings, Trial};
 
 /// First weight in a repeated attempt. It applies to every body, and its centre follows the
 /// solution until no force of the regularisation remains in the balance. The weight decreases by
@@ -31,35 +30,32 @@ pub(crate) fn max_moves(acceptance: &Acceptance) -> u32 {
 }
 
 /// Sets the proximal weights of the program.
-pub fn regularise(
-    bodies: &BodyTable,
-    contacts: &[Contact],
-    history: &ContactHistory,
-    analysis: &ClasticAnalysis,
-    acceptance: &Acceptance,
-    mode: &Mode,
-    restraints: &Restraints,
-    centre: &Centre,
+pub(super) fn regularise(
+    trial: &Trial,
+    settings: &Settings,
+    found: &Found,
     program: &mut ConeProgram,
 ) {
-    if analysis.kind != AnalysisKind::Static {
+    let Trial { bodies, history, attempt, .. } = trial;
+    let (history, centre) = (&history.0, &found.centre);
+    let least = settings.acceptance.regularisation;
+    if settings.analysis.kind != AnalysisKind::Static {
         return;
     }
-    if let Mode::Motion(motion) = mode {
+    if let Mode::Motion(motion) = &attempt.mode {
         return give_inertia(motion, program);
     }
-    let retry = *mode == Mode::Equilibrium(Effort::Regularised);
+    let retry = attempt.effort() == Some(Effort::Regularised);
     let mut regularised = if retry {
         vec![true; program.bodies.len()]
     } else {
-        find_underconstrained(bodies, contacts, history, program)
+        find_underconstrained(bodies, &trial.contacts.0, history, program)
     };
     // Counting misses mechanisms whose constraints are in the wrong places. Bodies without load in
     // the last increment, or in a rejected solution of this one, may be part of a mechanism.
-    let bearing = |i: usize| restraints.bearing.get(i).copied().unwrap_or_default();
+    let bearing = |i: usize| attempt.bearing.get(i).copied().unwrap_or_default();
     if !history.0.is_empty() {
-        let forces = history.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())));
-        for (i, loaded) in find_loaded(bodies.particles, forces).into_iter().enumerate() {
+        for (i, loaded) in find_loaded(bodies.particles, history.sizes()).into_iter().enumerate() {
             regularised[i] |= !loaded && bearing(i) != Bearing::Load;
         }
         // A group without load on any member is such a body.
@@ -73,9 +69,9 @@ pub fn regularise(
     }
     let unit = program.scales.force / program.scales.displacement;
     let usual = if retry {
-        (WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves))).max(acceptance.regularisation)
+        (WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves))).max(least)
     } else {
-        acceptance.regularisation
+        least
     };
     let weight = unit * usual;
     let length = program.scales.length;
@@ -102,17 +98,23 @@ fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
 }
 
 /// Forces below this fraction of the maximum force count as zero.
-pub(crate) const MIN_LOAD: f64 = 1e-6;
+const MIN_LOAD: f64 = 1e-6;
 
-/// Whether each particle carries more than `MIN_LOAD` of the maximum force. `forces` are in N, by
-/// pairs of bodies.
+/// The pairs of bodies with more than `MIN_LOAD` of the maximum force. `forces` are in N.
+pub fn loaded_pairs(
+    forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
+) -> impl Iterator<Item = (u32, u32)> {
+    let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
+    forces.filter(move |f| f.2 > threshold).map(|(a, b, _)| (a, b))
+}
+
+/// Whether each particle is in one of these pairs.
 pub fn find_loaded(
     particles: usize,
     forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
 ) -> Vec<bool> {
-    let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
     let mut loaded = vec![false; particles];
-    for (a, b, _) in forces.filter(|f| f.2 > threshold) {
+    for (a, b) in loaded_pairs(forces) {
         for body in [a as usize, b as usize].into_iter().filter(|b| *b < particles) {
             loaded[body] = true;
         }

@@ -10,28 +10,24 @@ use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
+use super::{Settings, Trial};
+
 /// Estimates the scales of the program. The magnitudes of a rejected attempt take precedence.
-pub fn estimate(
-    bodies: &BodyTable,
-    history: &ContactHistory,
-    analysis: &ClasticAnalysis,
-    progress: &ClasticProgress,
-    magnitudes: Option<(f64, f64)>,
-    contacts: usize,
-    program: &ConeProgram,
-) -> Scales {
+pub(super) fn estimate(trial: &Trial, settings: &Settings, program: &ConeProgram) -> Scales {
+    let Trial { bodies, contacts, progress, .. } = trial;
     let length = bodies.mean_radius;
     // Ties follow the contacts. Their stiffness is proportional to the tension and may be small, so
     // they are excluded.
-    let interactions = &program.interactions[..contacts.min(program.interactions.len())];
-    let known = displacement(bodies, analysis, progress).max(rigid_overlap(interactions));
+    let interactions = &program.interactions[..contacts.0.len().min(program.interactions.len())];
+    let driven = displacement(bodies, &settings.analysis, progress);
+    let known = driven.max(rigid_overlap(interactions));
     // Loading from zero: displacement of one contact under the loads.
     let displacement =
         if known > 0.0 { known } else { maximum_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
     let determined = determined_force(program, interactions, displacement);
-    let force = force(history, program, interactions, displacement, determined);
-    match magnitudes {
+    let force = force(&trial.history.0, program, interactions, displacement, determined);
+    match trial.attempt.magnitudes {
         // The magnitudes of a failed attempt are used unless they are round-off, or so large that
         // they would hide all errors because the solver diverged.
         Some((u, f)) => {
@@ -134,7 +130,7 @@ fn force(
     displacement: f64,
     determined: f64,
 ) -> f64 {
-    let remembered = history.0.iter().map(|m| m.p.abs().max(m.q.abs())).fold(0.0, f64::max);
+    let remembered = history.sizes().map(|(.., size)| size).fold(0.0, f64::max);
     let remembered = remembered.min(determined);
     let loads = maximum_load(program);
     let inertial = free_translations(program).map(|f| f.inertia * displacement).fold(0.0, f64::max);

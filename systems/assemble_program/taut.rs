@@ -8,10 +8,11 @@
 //! and is no error of the balance. The term of a compressed pair is negative, destabilises a grain, and
 //! cannot be part of a convex program. Followed motions cover this case.
 
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
-use clastic_components::findings::Corrections;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
+use clastic_components::increment::AnalysisKind;
 use clastic_cone::program::{ConeProgram, Interaction, Limits};
+
+use super::{Found, Settings, Trial};
+use crate::solved::Solved;
 
 /// Elongation over the length of a bond below which it counts as slack.
 const MIN_ELONGATION: f64 = 1e-9;
@@ -29,24 +30,23 @@ fn tension(bond: &Interaction, tension: f64) -> f64 {
 }
 
 /// Appends the ties of taut bonds.
-pub fn assemble(
-    bodies: &BodyTable,
-    contacts: &[Contact],
-    analysis: &ClasticAnalysis,
-    corrections: &Corrections,
-    last_forces: &[[f64; 3]],
-    interactions: &mut Vec<Interaction>,
+pub(super) fn assemble(
+    trial: &Trial,
+    settings: &Settings,
+    found: &Found,
+    program: &mut ConeProgram,
 ) {
-    if analysis.kind != AnalysisKind::Static {
+    if settings.analysis.kind != AnalysisKind::Static {
         return;
     }
-    for k in 0..contacts.len() {
-        let (contact, bond) = (&contacts[k], interactions[k]);
+    let ConeProgram { interactions, last_forces, .. } = program;
+    for (k, contact) in trial.contacts.0.iter().enumerate() {
+        let bond = interactions[k];
         // A wall has no centre about which a grain could swing.
-        if contact.b as usize >= bodies.particles {
+        if contact.b as usize >= trial.bodies.particles {
             continue;
         }
-        let guess = corrections.of((contact.a, contact.b));
+        let guess = found.corrections.of((contact.a, contact.b));
         let tension = tension(&bond, guess.map_or(-last_forces[k][0], |guess| guess.tension));
         if tension > 0.0 {
             interactions.push(Interaction {
@@ -63,9 +63,7 @@ pub fn assemble(
 
 /// The ties of a program in the order of their contacts: the index of the contact and that of the tie.
 pub fn ties(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
+    Solved { bodies, contacts, program, .. }: Solved<'_>,
 ) -> impl Iterator<Item = (usize, usize)> {
     let listed = contacts.0.len();
     let mut next = 0;

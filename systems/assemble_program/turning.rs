@@ -10,10 +10,10 @@
 use glam::DVec2;
 
 use clastic_components::contact::{BodyTable, Contact, WallRow};
-use clastic_components::findings::Corrections;
-use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::Interaction;
+
+use super::{Found, Trial};
 
 /// A wall that turns in a trial.
 struct Turning<'a> {
@@ -24,28 +24,21 @@ struct Turning<'a> {
 
 /// Gives the contacts of walls that turn in this fraction of the increment their arms and offsets.
 /// Other interactions stay as they are.
-pub fn carry(
-    bodies: &BodyTable,
-    contacts: &[Contact],
-    corrections: &Corrections,
-    fraction: f64,
-    interactions: &mut [Interaction],
-) {
+pub(super) fn carry(trial: &Trial, found: &Found, interactions: &mut [Interaction]) {
+    let Trial { bodies, contacts, progress, .. } = trial;
     let turning: Vec<Turning> = bodies
         .walls
         .iter()
         .filter_map(|wall| {
             let WallDrive::Turning { about, angle } = bodies.wall_drive(wall) else { return None };
-            let angle = fraction * angle;
-            let arm = bodies.positions[wall.body as usize] - about;
-            let [x, y, _] = GroupRow::carried([0.0, 0.0, angle], arm);
-            Some(Turning { wall, motion: (DVec2::new(x, y), angle) })
+            let angle = progress.fraction * angle;
+            Some(Turning { wall, motion: (bodies.swing(wall, about, angle), angle) })
         })
         .collect();
     if turning.is_empty() && bodies.groups.is_empty() {
         return;
     }
-    for (contact, c) in contacts.iter().zip(interactions) {
+    for (contact, c) in contacts.0.iter().zip(interactions) {
         let b = contact.b as usize;
         if b >= bodies.particles && bodies.group(b).is_some() {
             *c = c.carried_by(false, contact.b, contact.point(bodies) - bodies.positions[b]);
@@ -56,7 +49,7 @@ pub fn carry(
         let lever = contact.point(bodies) - at;
         *c = c.carried_by(false, contact.b, lever);
         // A pass has the exact gap already.
-        if corrections.of((contact.a, contact.b)).is_none() {
+        if found.corrections.of((contact.a, contact.b)).is_none() {
             c.offset += turning[k].beyond_first_order(bodies, contact, lever).unwrap_or(0.0);
         }
     }

@@ -6,10 +6,11 @@
 use glam::DVec2;
 
 use clastic_components::contact::{BodyTable, Contact};
-
 use clastic_components::contact_history::ContactHistory;
 use clastic_cone::adjacency::Adjacency;
 use clastic_cone::program::{ConeProgram, Dof, Interaction};
+
+use crate::measures::fragments::{join, root};
 
 /// Whether an interaction is stiff at the start of the increment: a bond, or a closed contact.
 /// `pair` are the rows of its bodies in the memory.
@@ -91,26 +92,17 @@ fn clusters(
     freedom: &[usize],
 ) -> Vec<Vec<usize>> {
     let n = program.bodies.len();
-    let mut parent: Vec<usize> = (0..n).collect();
-    fn root(parent: &mut [usize], mut i: usize) -> usize {
-        while parent[i] != i {
-            parent[i] = parent[parent[i]];
-            i = parent[i];
-        }
-        i
-    }
+    let mut parents: Vec<u32> = (0..n as u32).collect();
     let takes_part = |i: usize| !found[i] && freedom[i] > 0;
     for c in stiff {
-        let (a, b) = (c.a as usize, c.b as usize);
-        if takes_part(a) && takes_part(b) {
-            let (a, b) = (root(&mut parent, a), root(&mut parent, b));
-            // The smaller index becomes the root, so that clusters are ordered by their first body.
-            parent[a.max(b)] = a.min(b);
+        if takes_part(c.a as usize) && takes_part(c.b as usize) {
+            // The lower row becomes the root, so that clusters are ordered by their first body.
+            join(&mut parents, c.a, c.b);
         }
     }
     let mut members = vec![Vec::new(); n];
     for i in (0..n).filter(|i| takes_part(*i)) {
-        members[root(&mut parent, i)].push(i);
+        members[root(&mut parents, i as u32) as usize].push(i);
     }
     members.retain(|m| !m.is_empty());
     members
@@ -127,8 +119,7 @@ fn hold_cluster(
     cluster: &[usize],
     found: &mut [bool],
 ) {
-    let first_group = bodies.positions.len() - bodies.group_count;
-    let is_wall = |i: usize| (bodies.particles..first_group).contains(&i);
+    let is_wall = |i: usize| (bodies.particles..bodies.first_group()).contains(&i);
     let walls: Vec<usize> = cluster.iter().copied().filter(|i| is_wall(*i)).collect();
     let unknowns = 3 + walls.len();
     let centre = cluster.iter().map(|i| bodies.positions[*i]).sum::<DVec2>() / cluster.len() as f64;
@@ -156,7 +147,7 @@ fn hold_cluster(
                     row[..3].copy_from_slice(&along(if k == 0 { DVec2::X } else { DVec2::Y }));
                 }
                 // A group whose rotation is imposed does not turn with the cluster.
-                Dof::Fixed(_) if i >= first_group => row[2] = 1.0,
+                Dof::Fixed(_) if i >= bodies.first_group() => row[2] = 1.0,
                 // A disk without a rotation row turns freely and does not hold the cluster.
                 Dof::Fixed(_) => continue,
             }
@@ -170,26 +161,20 @@ fn hold_cluster(
             if wall.is_none() && freedom[other] > 0 {
                 continue;
             }
-            let mut normal = vec![0.0; unknowns];
-            let (direction, arm) =
-                if first { (c.normal, c.normal_arm_a) } else { (-c.normal, c.normal_arm_b) };
-            normal[..3].copy_from_slice(&along(direction));
-            normal[2] += arm / extent;
-            if let Some(w) = wall {
-                normal[3 + w] = -direction.dot(program.bodies[other].axis);
-            }
-            add(&normal);
-            if c.limits.has_shear() {
-                let (tangent, arm) =
-                    if first { (c.normal.perp(), c.arm_a) } else { (-c.normal.perp(), c.arm_b) };
-                let mut slip = vec![0.0; unknowns];
-                slip[..3].copy_from_slice(&along(tangent));
-                slip[2] += arm / extent;
-                // A wall that is no line may be pushed along its axis by friction as well.
+            // A wall that is no line may be pushed along its axis by friction as well.
+            let mut hold = |along_b: DVec2, [arm_a, arm_b]: [f64; 2]| {
+                let (direction, arm) = if first { (along_b, arm_a) } else { (-along_b, arm_b) };
+                let mut row = vec![0.0; unknowns];
+                row[..3].copy_from_slice(&along(direction));
+                row[2] += arm / extent;
                 if let Some(w) = wall {
-                    slip[3 + w] = -tangent.dot(program.bodies[other].axis);
+                    row[3 + w] = -direction.dot(program.bodies[other].axis);
                 }
-                add(&slip);
+                add(&row);
+            };
+            hold(c.normal, [c.normal_arm_a, c.normal_arm_b]);
+            if c.limits.has_shear() {
+                hold(c.normal.perp(), [c.arm_a, c.arm_b]);
             }
             if c.limits.has_rolling() {
                 let mut roll = vec![0.0; unknowns];

@@ -18,9 +18,9 @@ use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::Wall;
 
-use crate::identities::{IdentityTable, NEXT_IDENTITIES, NextIdentities};
+use crate::identities::{IdentityTable, NEXT_IDENTITIES};
 use crate::links::end_links_of;
-use crate::state::{RegisterState, StateOf};
+use crate::state::RegisterState;
 
 /// Adds the component hooks that assign identities.
 ///
@@ -41,7 +41,11 @@ impl Plugin for AssignIdentitiesPlugin {
         world.register_component_hooks::<BondId>().on_insert(bond_named).on_discard(bond_gone);
         world.register_component_hooks::<Joint>().on_add(joined);
         // Identities are the first state, because the entities are created from them.
-        app.register_state::<NextIdentities>(NEXT_IDENTITIES);
+        app.register_part(
+            NEXT_IDENTITIES,
+            |world| world.get_resource::<IdentityTable>().map(IdentityTable::next),
+            |next, world| world.get_resource_or_init::<IdentityTable>().skip_to(next),
+        );
     }
 }
 
@@ -64,41 +68,22 @@ fn refuse_earlier(world: &mut World) {
     );
 }
 
-impl StateOf for NextIdentities {
-    fn take(world: &mut World) -> Option<Self> {
-        world.get_resource::<IdentityTable>().map(IdentityTable::next)
-    }
-
-    fn put(self, world: &mut World) {
-        world.get_resource_or_init::<IdentityTable>().skip_to(self);
-    }
-}
-
 /// Why a body or a bond is refused.
 ///
 /// The error goes to Bevy's error handler, which panics unless the app sets another one. The
 /// refused entity loses its identity and its body or bond.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum IdentityError {
-    /// Two bodies have one identity.
+    /// Two bodies, or two bonds, have one identity.
     #[error(
-        "entity {newcomer} was given BodyId({id}), but body {id} is entity {owner}; leave BodyId out, \
-         and the body gets the next free one"
+        "entity {newcomer} was given {component}({id}), but {kind} {id} is entity {owner}; leave \
+         {component} out, and the {kind} gets the next free one"
     )]
-    Body {
-        /// The identity.
-        id: u32,
-        /// The entity that has it.
-        owner: Entity,
-        /// The entity that was refused.
-        newcomer: Entity,
-    },
-    /// Two bonds have one identity.
-    #[error(
-        "entity {newcomer} was given BondId({id}), but bond {id} is entity {owner}; leave BondId out, \
-         and the bond gets the next free one"
-    )]
-    Bond {
+    Taken {
+        /// Component of the identity.
+        component: &'static str,
+        /// What it names.
+        kind: &'static str,
         /// The identity.
         id: u32,
         /// The entity that has it.
@@ -161,7 +146,7 @@ fn body_named(mut world: DeferredWorld, context: HookContext) {
         let taken = world.get_resource_or_init::<IdentityTable>().bodies.take(id, newcomer);
         taken.map_err(|owner| {
             world.entity_mut(newcomer).remove::<(BodyId, Particle, Wall, RigidGroup)>();
-            IdentityError::Body { id, owner, newcomer }
+            IdentityError::Taken { component: "BodyId", kind: "body", id, owner, newcomer }
         })
     });
 }
@@ -214,7 +199,7 @@ fn bond_named(mut world: DeferredWorld, context: HookContext) {
         let taken = world.get_resource_or_init::<IdentityTable>().bonds.take(id, newcomer);
         taken.map_err(|owner| {
             world.entity_mut(newcomer).remove::<(BondId, Bond)>();
-            IdentityError::Bond { id, owner, newcomer }
+            IdentityError::Taken { component: "BondId", kind: "bond", id, owner, newcomer }
         })
     });
 }

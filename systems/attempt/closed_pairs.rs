@@ -7,12 +7,12 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
-use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use crate::detect_contacts::Candidates;
+use crate::detect_contacts::candidates::CandidatePairs;
 use crate::detect_contacts::grid::pairs_within;
 use crate::detect_contacts::periodic;
 use crate::moved::Moved;
+use crate::solved::SolvedTables;
 use crate::turns::is_unsupported;
 
 /// Pairs that are about to close are added together with those that close. Their gap is at most
@@ -26,21 +26,19 @@ const MAX_NEAR: f64 = 0.5;
 /// solution that moves a grain without support shows none: the grain crosses thousands of others.
 pub fn judge(
     settings: (Res<Acceptance>, Res<ClasticAnalysis>),
-    bodies: Res<BodyTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
-    candidates: Res<Candidates>,
-    contacts: Res<ContactTable>,
+    tables: SolvedTables,
+    candidates: Res<CandidatePairs>,
     mut added: ResMut<AddedPairs>,
     mut attempt: ResMut<Attempt>,
 ) {
     let (acceptance, analysis) = settings;
-    let is_static = analysis.kind == AnalysisKind::Static;
-    if is_static && is_unsupported(&bodies, &contacts, &program, &solution) {
+    let solved = tables.get();
+    let bodies = solved.bodies;
+    if analysis.kind == AnalysisKind::Static && is_unsupported(solved) {
         return;
     }
-    let after = Moved::by(&bodies, &program, &solution.displacements, 1.0);
-    let missed = |reach: f64| unlisted_pairs(&bodies, &candidates, &contacts, &after, reach);
+    let after = Moved::by(solved, &solved.solution.displacements, 1.0);
+    let missed = |reach: f64| unlisted_pairs(bodies, &candidates, solved.contacts, &after, reach);
     if missed(-acceptance.overlap * bodies.mean_radius).is_empty() {
         return;
     }
@@ -48,7 +46,7 @@ pub fn judge(
     let near = |(a, b): &(u32, u32)| {
         let approach = (motion(*a) - motion(*b)).length();
         let reach = NEAR * bodies.mean_radius + NEAR_OF_MOTION * approach;
-        after.gap(&bodies, *a, *b) <= reach
+        after.gap(bodies, *a, *b) <= reach
     };
     add(&mut added, missed(MAX_NEAR * bodies.mean_radius).into_iter().filter(near));
     attempt.verdict = Verdict::Again;
@@ -65,7 +63,7 @@ pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>)
 /// for new candidates runs only if bodies have left the neighbourhood of the present ones.
 pub(super) fn unlisted_pairs(
     bodies: &BodyTable,
-    Candidates(candidates): &Candidates,
+    candidates: &CandidatePairs,
     contacts: &ContactTable,
     after: &Moved,
     reach: f64,

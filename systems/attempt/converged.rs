@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Mode, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{BestUnconverged, Centre, Corrections, Unconverged};
+use clastic_components::findings::{Centre, Corrections, Unconverged};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
 
@@ -12,6 +12,7 @@ use crate::assemble_program::regularise::max_moves;
 use crate::assemble_program::scales::MAX_MOTION;
 use crate::ending;
 use crate::places::{moves_most, near, worst_place};
+use crate::solved::Solved;
 use crate::turns::too_far;
 use clastic_cone::certificate::{certificate, proves};
 use clastic_cone::residuals::{displacement_scale, regularised_residuals};
@@ -28,13 +29,13 @@ pub fn judge(
     contacts: Res<ContactTable>,
     mut centre: ResMut<Centre>,
     mut corrections: ResMut<Corrections>,
-    mut best: ResMut<BestUnconverged>,
     mut attempt: ResMut<Attempt>,
 ) {
     let solution = &mut *solution;
+    let solved = Solved { bodies: &bodies, contacts: &contacts, program: &program, solution };
     let seeks_equilibrium = matches!(attempt.mode, Mode::Equilibrium(_));
     if solution.status == SolveStatus::Stalled && seeks_equilibrium {
-        keep_best(&bodies, &program, solution, &mut best);
+        keep_best(solved, &mut attempt.best);
     }
     let is_static = analysis.kind == AnalysisKind::Static;
     attempt.verdict = match solution.status {
@@ -43,7 +44,10 @@ pub fn judge(
         SolveStatus::Collapsed
             if attempt.mode == Mode::Equilibrium(Effort::Usual) && !program.has_bonds() =>
         {
-            Verdict::Unconverged(gives_way(&bodies, &program, solution))
+            Verdict::Unconverged(format!(
+                "no equilibrium is near{}",
+                most_moved(&bodies, &program, solution, ": ")
+            ))
         }
         // The status of the solver alone is not sufficient.
         SolveStatus::Collapsed => match recheck(&program, solution) {
@@ -51,11 +55,14 @@ pub fn judge(
                 solution.certificate = Some(mechanism);
                 Verdict::Impossible
             }
-            None => Verdict::Unconverged(unproved(&bodies, &program, solution)),
+            None => Verdict::Unconverged(format!(
+                "the solver reports a collapse that it cannot prove{}",
+                most_moved(&bodies, &program, solution, ", in which ")
+            )),
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
-            if is_static && too_far(&bodies, &contacts, &program, solution, &acceptance).is_some() {
+            if is_static && too_far(solved, &acceptance).is_some() {
                 // A grain that lacks support does not find it where the centre goes.
                 Verdict::Sound
             } else if centre.moves < max_moves(&acceptance) {
@@ -63,11 +70,11 @@ pub fn judge(
                 centre.place.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let verdict = Verdict::Unconverged(complaint(&best, &acceptance));
+                let verdict = Verdict::Unconverged(complaint(&attempt.best, &acceptance));
                 impossible_or(&program, solution, verdict)
             }
         }
-        SolveStatus::Stalled => Verdict::Unconverged(complaint(&best, &acceptance)),
+        SolveStatus::Stalled => Verdict::Unconverged(complaint(&attempt.best, &acceptance)),
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
     let in_pass = fails && corrections.passes > 0;
@@ -109,20 +116,16 @@ pub(super) fn impossible_or(
     }
 }
 
-/// Complaint about grains without bonds that have no equilibrium nearby.
-fn gives_way(bodies: &BodyTable, program: &ConeProgram, solution: &ConeSolution) -> String {
+/// The body that moves most in the mechanism of a collapse, behind these words; empty without one.
+fn most_moved(
+    bodies: &BodyTable,
+    program: &ConeProgram,
+    solution: &ConeSolution,
+    words: &str,
+) -> String {
     let mechanism = solution.certificate.as_ref();
-    let place = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
-    let place = place.map_or(String::new(), |(body, _)| format!(": {body} moves most"));
-    format!("no equilibrium is near{place}")
-}
-
-/// Complaint about a collapse without proof.
-fn unproved(bodies: &BodyTable, program: &ConeProgram, solution: &ConeSolution) -> String {
-    let mechanism = solution.certificate.as_ref();
-    let place = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
-    let place = place.map_or(String::new(), |(body, _)| format!(", in which {body} moves most"));
-    format!("the solver reports a collapse that it cannot prove{place}")
+    let most = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
+    most.map_or(String::new(), |(body, _)| format!("{words}{body} moves most"))
 }
 
 /// Recomputes the certificate of a collapse; `None` if it proves nothing.
@@ -140,18 +143,14 @@ fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Accept
 
 /// Keeps the residuals of the solution with the smallest error in the increment. Regularised
 /// attempts contain a bias, so later attempts may have larger residuals than the first.
-fn keep_best(
-    bodies: &BodyTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    best: &mut BestUnconverged,
-) {
-    let worst = solution.residuals.worst();
-    if best.0.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
-        best.0 = Some(Unconverged {
-            residuals: solution.residuals,
-            place: worst_place(bodies, program, solution),
-            message: solution.message.clone(),
+fn keep_best(solved: Solved, best: &mut Option<Unconverged>) {
+    let residuals = solved.solution.residuals;
+    let worst = residuals.worst();
+    if best.as_ref().is_none_or(|best| !(best.residuals.worst() <= worst)) {
+        *best = Some(Unconverged {
+            residuals,
+            place: worst_place(solved),
+            message: solved.solution.message.clone(),
         });
     }
 }
@@ -180,8 +179,8 @@ fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f6
     (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }
 
-fn complaint(best: &BestUnconverged, acceptance: &Acceptance) -> String {
-    let Some(best) = &best.0 else { return "no solution was found".to_owned() };
+fn complaint(best: &Option<Unconverged>, acceptance: &Acceptance) -> String {
+    let Some(best) = best else { return "no solution was found".to_owned() };
     let (r, place, message) = (best.residuals, &best.place, &best.message);
     format!(
         "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \

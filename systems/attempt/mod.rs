@@ -2,8 +2,8 @@
 //!
 //! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
 //! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`],
-//! [`loose_grains`], [`push_out`], [`reached`], [`through_walls`], [`dense`]. [`one_round`] then collects the bonds
-//! on a limit where no judge has chosen others. For a step of a motion only [`converged`],
+//! [`loose_grains`], [`push_out`], [`reached`], [`through_walls`], [`dense`]. [`bonds::collect`] then takes
+//! the bonds on a limit where no judge has chosen others. For a step of a motion only [`converged`],
 //! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
 //! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
 //! committed. Only judges set a verdict, and [`mod@next`] alone maps it to the next action.
@@ -18,9 +18,7 @@ pub mod coulomb;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
-pub mod restraints;
 mod run;
-pub mod set_aside;
 pub mod through_walls;
 pub mod too_far;
 
@@ -30,12 +28,12 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::energy::MotionEnergies;
 use clastic_components::findings::{
-    AddedPairs, BestUnconverged, Centre, Corrections, EventSearch, Pushed, Reached, Restraints,
-    Ruptures,
+    AddedPairs, Centre, Corrections, EventSearch, Pushed, Reached, Ruptures,
 };
 use clastic_components::increment::{
     Acceptance, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
 };
+use clastic_components::loads::TrialLoads;
 use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
@@ -45,7 +43,7 @@ use crate::impacts::rebounds::has_restitution;
 use crate::impacts::{push_out, reached};
 use crate::motion_settings::MotionSettings;
 use crate::rigid_groups::{carry_members, has_groups};
-use crate::rupture::{dense, events, one_round};
+use crate::rupture::{bonds, dense, events};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems};
 
 /// Adds [`run_attempts`] and the judges.
@@ -53,7 +51,10 @@ pub struct AttemptPlugin;
 
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
+        // Systems that only add to the loads may run in any order: their sums do not depend on it.
+        app.allow_ambiguous_resource::<TrialLoads>();
         app.init_resource::<Attempt>()
+            .init_resource::<TrialLoads>()
             .init_resource::<MotionSettings>()
             .init_resource::<AddedPairs>()
             .init_resource::<Ruptures>()
@@ -61,9 +62,7 @@ impl Plugin for AttemptPlugin {
             .init_resource::<ending::Stiffness>()
             .init_resource::<Pushed>()
             .init_resource::<Reached>()
-            .init_resource::<Restraints>()
             .init_resource::<Centre>()
-            .init_resource::<BestUnconverged>()
             .init_resource::<EventSearch>()
             .init_resource::<MotionEnergies>()
             .init_resource::<Acceptance>()
@@ -97,7 +96,7 @@ impl Plugin for AttemptPlugin {
                     reached::judge.run_if(has_restitution).run_if(in_equilibrium),
                     through_walls::judge.run_if(in_equilibrium),
                     dense::judge.run_if(in_equilibrium).run_if(dense::is_dense),
-                    one_round::collect
+                    bonds::collect
                         .run_if(in_equilibrium)
                         .run_if(not(events::searches))
                         .run_if(not(dense::is_dense)),

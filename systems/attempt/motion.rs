@@ -19,22 +19,23 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode, Verdict};
-use clastic_components::contact::{BodyTable, BondRow, Contact, ContactTable};
+use clastic_components::contact::{BodyTable, BondRow, Contact};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::{
     AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures, Sliding,
 };
-use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress, RuptureRules};
-use clastic_components::material::Materials;
+use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress};
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::set_aside::{Lost, lost};
+use super::loose_grains::{Lost, lost, may_fall};
+use crate::contact_laws::Laws;
 use crate::kinetic_damping;
 use crate::motion_settings::MotionSettings;
 use crate::places::{digits, moves_most, near};
 use crate::rupture::bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
+use crate::solved::{Solved, SolvedTables};
 use crate::travel::furthest;
 use crate::update_state::remembered;
 
@@ -148,31 +149,29 @@ pub fn forget_passes(world: &mut World) {
 /// Judge: is the step short enough for constant normals? In a motion that a rupture released, it
 /// must also be so short that bonds break close to their limits.
 pub fn judge_length(
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
+    tables: SolvedTables,
     acceptance: Res<Acceptance>,
     settings: Res<MotionSettings>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
     mut attempt: ResMut<Attempt>,
 ) {
+    let solved = tables.get();
     let length = attempt.motion().map_or(1.0, |motion| motion.length);
-    if let Some((grain, far)) = furthest(&bodies, &contacts, &program, &solution)
+    if let Some((grain, far)) = furthest(solved)
         && !(far <= length * Acceptance::MAX_TRAVEL)
     {
-        let (grain, far) = (near(&bodies, [grain, grain]), digits(far));
+        let (grain, far) = (near(solved.bodies, [grain, grain]), digits(far));
         let message = format!("a step of the motion moves {grain} by {far} radii");
         attempt.verdict = Verdict::TooFar(message);
         return;
     }
     if attempt.motion().is_some_and(|motion| motion.released) {
         let max = 1.0 + settings.max_overload * aimed(&acceptance);
-        let overload = most_yielding(&contacts.0, &program, &solution);
-        if let Some((contact, overload)) = overload.filter(|(_, overload)| *overload > max) {
-            let Contact { a, b, .. } = contacts.0[contact];
+        let overload = most_yielding(solved).filter(|(_, overload)| *overload > max);
+        if let Some((contact, overload)) = overload {
+            let Contact { a, b, .. } = solved.contacts.0[contact];
             attempt.verdict = Verdict::TooFar(format!(
                 "a step of the motion loads the bond of {} to {overload:.2} times its limit",
-                near(&bodies, [a as usize, b as usize])
+                near(solved.bodies, [a as usize, b as usize])
             ));
         }
     }
@@ -180,19 +179,18 @@ pub fn judge_length(
 
 /// Judge: is the motion at rest after the step, or has the specimen moved too far to find rest?
 pub fn judge_rest(
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    tables: SolvedTables,
     analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
     settings: Res<MotionSettings>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let far = furthest(&bodies, &contacts, &program, &solution).map_or(0.0, |(_, far)| far);
+    let solved = tables.get();
+    let far = furthest(solved).map_or(0.0, |(_, far)| far);
     let Some(motion) = attempt.motion() else { return };
+    let Solved { bodies, program, solution, .. } = solved;
     let last = || {
-        moves_most(&bodies, &program, &solution.displacements)
+        moves_most(bodies, program, &solution.displacements)
             .map_or(String::new(), |(body, _)| format!(" ({body} moves most)"))
     };
     let is_free = motion.weight <= settings.min_weight;
@@ -216,10 +214,8 @@ pub fn judge_rest(
         motion.steps + 1,
         last()
     );
-    let limits = (&*acceptance, &*settings);
-    let solved = (&*program, &*solution);
-    attempt.verdict = match lost(&bodies, &contacts, solved, &analysis, limits, &attempt, travelled)
-    {
+    let goes_on = has_step(&attempt, &acceptance, &settings) && may_fall(travelled, &settings);
+    attempt.verdict = match lost(solved, analysis.gravity, goes_on) {
         Lost::Specimen => Verdict::GivesWay(gives_way),
         Lost::Falling => Verdict::Moving,
         Lost::Grains(grains) => {
@@ -232,7 +228,7 @@ pub fn judge_rest(
 /// Repeats the step in a shorter time.
 pub fn shorten(world: &mut World) {
     let solved = world.resource::<ConeSolution>().status == SolveStatus::Solved;
-    let far = furthest(world.resource(), world.resource(), world.resource(), world.resource());
+    let far = furthest(Solved::of(world));
     let settings = *world.resource::<MotionSettings>();
     let mut attempt = world.resource_mut::<Attempt>();
     count_step(&mut attempt);
@@ -251,10 +247,9 @@ fn count_step(attempt: &mut Attempt) {
 /// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next
 /// step.
 pub fn take_step(world: &mut World) {
-    let (bodies, program) = (world.resource::<BodyTable>(), world.resource::<ConeProgram>());
-    let solution = world.resource::<ConeSolution>();
-    let far = furthest(bodies, world.resource(), program, solution).map_or(0.0, |(_, far)| far);
-    let displacements = solution.displacements.clone();
+    let solved = Solved::of(world);
+    let far = furthest(solved).map_or(0.0, |(_, far)| far);
+    let displacements = solved.solution.displacements.clone();
     move_tables(world);
     forget_pairs(world);
     let settings = *world.resource::<MotionSettings>();
@@ -270,35 +265,18 @@ pub fn take_step(world: &mut World) {
 /// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings
 /// to a limit.
 fn move_tables(world: &mut World) {
-    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
-    let (contacts, draft) = (world.resource::<ContactTable>(), world.resource::<DraftHistory>());
-    let bodies = world.resource::<BodyTable>();
-    let mut history = remembered(
-        bodies,
-        world.resource(),
-        world.resource(),
-        contacts,
-        program,
-        solution,
-        &draft.0,
-    );
+    let solved = Solved::of(world);
+    let draft = world.resource::<DraftHistory>();
+    let mut history = remembered(solved, world.resource(), world.resource(), &draft.0);
     // A program with a rule of rupture of its own breaks bonds when the increment is committed.
     let broken = if world.contains_resource::<BuiltInRule>() {
-        find_ruptures(
-            world.resource::<RuptureRules>(),
-            Met::Overload,
-            world.resource::<ClasticProgress>().increment,
-            bodies,
-            &contacts.0,
-            program,
-            solution,
-        )
+        let increment = world.resource::<ClasticProgress>().increment;
+        find_ruptures(solved, world.resource(), Met::Overload, increment)
     } else {
         Vec::new()
     };
-    let materials = world.resource::<Materials>();
-    release(broken.iter(), bodies, contacts, materials, world.resource(), &mut history);
-    let displacements = program.bodies.iter().zip(&solution.displacements);
+    release(broken.iter(), Laws::of(world), solved.contacts, &mut history);
+    let displacements = solved.program.bodies.iter().zip(&solved.solution.displacements);
     let moved: Vec<_> = displacements.map(|(body, u)| body.to_global(*u)).collect();
     let ledger = world.contains_resource::<EnergyLedger>();
     if ledger {

@@ -5,20 +5,19 @@ use clastic_components::attempt::{Attempt, IncrementStatus, Mode, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::MotionEnergies;
-use clastic_components::findings::{
-    AddedPairs, BestUnconverged, EventSearch, Restraints, Ruptures, Sliding,
-};
+use clastic_components::findings::{AddedPairs, EventSearch, Ruptures, Sliding};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::loads::TrialLoads;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::motion;
 use super::next::{Budget, Next, next};
+use crate::check_values::refused_load;
 use crate::control_walls::renew_stresses;
 use crate::mechanism::share;
 use crate::motion_settings::MotionSettings;
 use crate::rupture::events;
-use crate::schedule::{AttemptIncrement, ClasticHalted};
-use crate::trial_loads::ask_for_loads;
+use crate::schedule::{AddTrialLoads, AttemptIncrement, ClasticHalted};
 
 /// Runs [`AttemptIncrement`] until the increment has ended.
 pub fn run_attempts(world: &mut World) {
@@ -205,10 +204,8 @@ fn undo(world: &mut World, start: Option<Start>) {
 fn begin_increment(world: &mut World) {
     world.insert_resource(Attempt::default());
     world.insert_resource(AddedPairs::default());
-    world.insert_resource(Restraints::default());
     world.insert_resource(MotionEnergies::default());
     world.insert_resource(Ruptures::default());
-    world.insert_resource(BestUnconverged::default());
     world.insert_resource(Sliding::default());
     motion::forget_passes(world);
     let mut progress = world.resource_mut::<ClasticProgress>();
@@ -244,7 +241,8 @@ fn budget(world: &World) -> Budget {
     }
 }
 
-/// Begins a trial: another fraction of the increment, or other positions of the bodies.
+/// Begins a trial: another fraction of the increment, or other positions of the bodies. Asks for the
+/// loads of an embedding program; one without a meaning halts the world.
 fn open_trial(world: &mut World) {
     if world.resource::<BodyTable>().drives_stopped {
         world.resource_scope(|world, mut bodies: Mut<BodyTable>| {
@@ -252,7 +250,11 @@ fn open_trial(world: &mut World) {
             renew_stresses(&mut bodies, table_of, world.resource(), world.resource());
         });
     }
-    ask_for_loads(world);
+    world.resource_mut::<TrialLoads>().clear();
+    world.run_schedule(AddTrialLoads);
+    if let Some(message) = refused_load(world.resource(), world.resource()) {
+        world.insert_resource(ClasticHalted(message));
+    }
 }
 
 /// Seeks the equilibrium from the current positions.
@@ -287,7 +289,7 @@ fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Star
         }
     }
     if status == IncrementStatus::Undecided
-        && let Some(best) = world.resource_mut::<BestUnconverged>().0.take()
+        && let Some(best) = world.resource_mut::<Attempt>().best.take()
     {
         world.resource_mut::<ConeSolution>().residuals = best.residuals;
     }

@@ -6,36 +6,29 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{BodyTable, ContactTable, WallRow};
-use clastic_components::findings::{Impacts, Pushed};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_components::contact::WallRow;
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 
-use crate::impacts::paths::paths;
+use crate::impacts::paths::Paths;
 use crate::moved::Moved;
 use crate::places::near;
+use crate::solved::SolvedTables;
 
 /// Rejects a time step in which the centre of a particle passes through a thin wall.
 pub fn judge(
-    settings: (Res<Acceptance>, Res<ClasticAnalysis>, Res<ClasticProgress>),
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
-    (pushed, impacts): (Res<Pushed>, Res<Impacts>),
+    analysis: Res<ClasticAnalysis>,
+    tables: SolvedTables,
+    paths: Paths,
     mut attempt: ResMut<Attempt>,
 ) {
-    let (acceptance, analysis, progress) = settings;
+    let solved = tables.get();
+    let bodies = solved.bodies;
     let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
     if !is_dynamic || bodies.walls.iter().all(WallRow::is_line) {
         return;
     }
-    let (bodies, contacts) = (&*bodies, &*contacts);
-    let motion =
-        paths(bodies, contacts, &analysis, &acceptance, &progress, &program, &solution, &impacts);
-    // A motion that separates overlaps moves the bodies instead.
-    let motion = pushed.0.as_ref().or(motion.as_ref()).unwrap_or(&solution.displacements);
-    if let Some(pair) = Moved::by(bodies, &program, motion, 1.0).first_through(bodies) {
+    let motion = paths.motion(solved);
+    if let Some(pair) = Moved::by(solved, &motion, 1.0).first_through(bodies) {
         let pair = near(bodies, pair);
         attempt.verdict =
             Verdict::TooFar(format!("a time step takes one through the other: {pair}"));

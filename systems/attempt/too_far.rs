@@ -6,18 +6,20 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Effort, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{Corrections, Restraints};
+use clastic_components::findings::{Bearing, Corrections};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::converged::impossible_or;
-use super::restraints::restrain;
+use crate::assemble_program::regularise::find_loaded;
+use crate::mechanism::TAKES_PART;
 use crate::places::{digits, near};
-use crate::turns::{furthest, of_bonded};
+use crate::solved::Solved;
+use crate::turns::{furthest, of_bonded, turns};
 
 /// Rejects a static solution that [turns](crate::turns) a bond or a contact that carries load by more
-/// than [`Acceptance::turn`]. It may show [restraints](super::restraints), which the next attempt then
-/// includes. Every such reply adds a restraint, of which a specimen has a finite number.
+/// than [`Acceptance::turn`]. It may show [`Bearing`], which the next attempt then includes. Every
+/// such reply adds a restraint, of which a specimen has a finite number.
 pub fn judge(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
@@ -26,7 +28,6 @@ pub fn judge(
     acceptance: Res<Acceptance>,
     analysis: Res<ClasticAnalysis>,
     corrections: Res<Corrections>,
-    mut restraints: ResMut<Restraints>,
     mut attempt: ResMut<Attempt>,
 ) {
     if analysis.kind != AnalysisKind::Static {
@@ -34,13 +35,14 @@ pub fn judge(
     }
     // The passes have followed elastic bonds, which have no memory of the way.
     let is_followed = corrections.idle_motion.is_some();
-    let found = furthest(&bodies, &contacts, &program, &solution, is_followed);
+    let solved =
+        Solved { bodies: &bodies, contacts: &contacts, program: &program, solution: &solution };
+    let found = furthest(solved, is_followed);
     let Some((grain, turn)) = found.filter(|(_, turn)| !(*turn <= acceptance.turn)) else { return };
     let all_regularised = attempt.effort() == Some(Effort::Regularised);
-    let tables = (&*bodies, &*contacts, &*program, &*solution);
     attempt.turn = of_bonded(&bodies, (grain, turn));
     // With all grains regularised another regularised grain changes nothing.
-    let is_new = !all_regularised && restrain(tables, &acceptance, &mut restraints);
+    let is_new = !all_regularised && restrain(solved, &acceptance, &mut attempt.bearing);
     attempt.verdict = if is_new {
         Verdict::Again
     } else {
@@ -52,4 +54,26 @@ pub fn judge(
         );
         impossible_or(&program, &mut solution, Verdict::TooFar(reason))
     };
+}
+
+/// Finds grains without load that a solution throws: their motion is not determined. A grain that is
+/// pushed after all was part of the load-bearing structure. Returns whether any of them changes the
+/// program.
+pub fn restrain(solved: Solved, acceptance: &Acceptance, bearing: &mut Vec<Bearing>) -> bool {
+    let Solved { bodies, program, solution, .. } = solved;
+    let turns = turns(solved);
+    let forces = program.interactions.iter().zip(&solution.forces);
+    let forces = forces.map(|(c, f)| (c.a, c.b, f[0].abs().max(f[1].abs())));
+    let loaded = find_loaded(bodies.particles, forces);
+    bearing.resize(program.bodies.len(), Bearing::Unknown);
+    let mut found_new = false;
+    for i in (0..bodies.particles).filter(|i| turns[*i] > TAKES_PART * acceptance.turn) {
+        let next = match (bearing[i], loaded[i]) {
+            (Bearing::Unknown, false) => Bearing::Nothing,
+            (Bearing::Nothing, true) => Bearing::Load,
+            (known, _) => known,
+        };
+        found_new |= std::mem::replace(&mut bearing[i], next) != next;
+    }
+    found_new
 }

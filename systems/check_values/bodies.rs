@@ -1,6 +1,6 @@
 //! Particles, walls and rigid groups in the tables.
 
-use clastic_components::body::BodyDrive;
+use clastic_components::body::{BodyDrive, Ramp};
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::contact::BodyTable;
 use clastic_components::domain::{PLACE, RADIUS, SPIN, VELOCITY};
@@ -28,10 +28,7 @@ pub(super) fn particle(bodies: &BodyTable, i: usize, materials: usize) -> Option
         .or_else(|| not_negative("inertia", bodies.inertias[i], "kg m^2, not below 0"))
         .or_else(|| finite("Rotation", bodies.rotations[i], "an angle in rad"))
         .or_else(|| drives(&bodies.drives[i]))
-        .or_else(|| {
-            let load = bodies.loads[i].iter().flat_map(|ramp| [ramp.from, ramp.to]);
-            load.filter_map(|f| finite("LoadControl", f, "forces in N and a moment in N m")).next()
-        })
+        .or_else(|| loads(&bodies.loads[i]))
         .or_else(|| {
             let index = bodies.materials[i];
             let is_known = materials == 0 || (index as usize) < materials;
@@ -77,11 +74,9 @@ fn arc(shape: &WallShape) -> Option<Bad> {
 /// A rigid group.
 pub(super) fn group(bodies: &BodyTable, k: usize) -> Option<Bad> {
     let group = &bodies.groups[k];
-    let load = group.loads.iter().flat_map(|ramp| [ramp.from, ramp.to]);
-    let wanted = "forces in N and a moment in N m";
     place(bodies, group.body as usize)
         .or_else(|| drives(&group.drives))
-        .or_else(|| load.filter_map(|f| finite("LoadControl", f, wanted)).next())
+        .or_else(|| loads(&group.loads))
 }
 
 /// The periodic cell.
@@ -115,11 +110,14 @@ fn place(bodies: &BodyTable, row: usize) -> Option<Bad> {
         .or_else(|| finite("rotation of LastMotion", moved[2], "an angle in rad"))
 }
 
+fn loads(loads: &[Ramp; 3]) -> Option<Bad> {
+    let mut ends = loads.iter().flat_map(|ramp| [ramp.from, ramp.to]);
+    ends.find_map(|end| finite("LoadControl", end, "forces in N and a moment in N m"))
+}
+
 fn drives(drives: &[BodyDrive; 3]) -> Option<Bad> {
-    let imposed = drives.iter().filter_map(|drive| match drive {
-        BodyDrive::Imposed(u) => Some(*u),
+    drives.iter().find_map(|drive| match drive {
+        BodyDrive::Imposed(u) => finite("BodyDrives", *u, "displacements in m and an angle in rad"),
         BodyDrive::Free => None,
-    });
-    let wanted = "displacements in m and an angle in rad";
-    imposed.filter_map(|u| finite("BodyDrives", u, wanted)).next()
+    })
 }

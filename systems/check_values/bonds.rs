@@ -20,7 +20,7 @@ pub(super) fn in_tables(bodies: &BodyTable) -> Option<(BondId, Entity, String, B
         let walls = || {
             let [first, second] = [bond.a, bond.b].map(|row| bodies.ids[row as usize]);
             let is_particle = (bond.a as usize) < bodies.particles;
-            let is_group = bond.b as usize >= bodies.ids.len() - bodies.group_count;
+            let is_group = bond.b as usize >= bodies.first_group();
             (!is_particle)
                 .then(|| Bad::new("a", first, "a particle: walls bond to particles"))
                 .or_else(|| {

@@ -24,9 +24,8 @@ pub(super) fn bad(
 fn of(bodies: &BodyTable, kind: AnalysisKind, id: BodyId, group: &RigidGroup) -> Option<Bad> {
     let row = bodies.row(id)?;
     let own = bodies.groups.iter().find(|group| group.body as usize == row)?;
-    let members = bodies.ids.len() - bodies.group_count;
     let unknown = || {
-        let known = |id: BodyId| bodies.row(id).is_some_and(|row| row < members);
+        let known = |id: BodyId| bodies.row(id).is_some_and(|row| row < bodies.first_group());
         let member = group.members.iter().find(|member| !known(**member))?;
         Some(Bad::new(
             "a member",

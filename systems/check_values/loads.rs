@@ -14,7 +14,7 @@ pub(crate) fn refused_load(loads: &TrialLoads, bodies: &BodyTable) -> Option<Str
             return Some(bad.in_words("a load of `AddTrialLoads`"));
         };
         let axis = (k > 2).then(|| Bad::new("degree of freedom", k, "0, 1 or 2 (x, y, rotation)"));
-        let is_wall = row >= bodies.particles && row < bodies.ids.len() - bodies.group_count;
+        let is_wall = bodies.wall(row as u32).is_some();
         let bad = axis
             .or_else(|| finite("force", load.force, "a force in N or a moment in N m"))
             .or_else(|| not_negative("stiffness", load.stiffness, "N/m or N m/rad, not below 0"))

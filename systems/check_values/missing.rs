@@ -2,7 +2,7 @@
 //! it. Without the former it would silently leave the tables; the latter would silently be ignored.
 
 use bevy_ecs::archetype::Archetypes;
-use bevy_ecs::component::{ComponentId, Components};
+use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{
@@ -17,93 +17,56 @@ use clastic_components::wall::{Wall, WallControl, WallDrive, WallSlide, WallTabl
 
 use super::bad::Bad;
 
-/// The first entity without a component of its kind, or with one of another kind. The kinds of
-/// entities are archetypes, so that no entity is visited.
+/// The first entity without a component that its kind [requires](Component), or with one of another
+/// kind. The kinds of entities are archetypes, so that no entity is visited.
 pub(super) fn misfit(archetypes: &Archetypes, components: &Components) -> Option<(Entity, Bad)> {
-    kinds(components).into_iter().find_map(|Kind { id, needed, idle }| {
-        let id = id?;
-        let mut of_kind = archetypes.iter().filter(|all| all.contains(id) && !all.is_empty());
-        of_kind.find_map(|archetype| {
-            let has = |id: &Option<ComponentId>| id.is_some_and(|id| archetype.contains(id));
-            let missing = || {
-                let (name, _) = needed.iter().find(|(_, id)| !has(id))?;
-                Some(Bad::new(name, "missing", "one, which its kind of entity needs"))
-            };
-            let ignored = || {
-                let (name, _) = idle.iter().find(|(_, id)| has(id))?;
-                Some(Bad::new(name, "a component", "none: it has no effect on this kind of entity"))
-            };
-            Some((archetype.entities().first()?.id(), missing().or_else(ignored)?))
-        })
-    })
-}
-
-type Named = (&'static str, Option<ComponentId>);
-
-/// A kind of entity, which a component marks.
-struct Kind {
-    id: Option<ComponentId>,
-    needed: Vec<Named>,
-    /// Components of other kinds.
-    idle: Vec<Named>,
-}
-
-fn kinds(components: &Components) -> [Kind; 4] {
     macro_rules! named {
         ($($component:ty),*) => {
-            vec![$((stringify!($component), components.component_id::<$component>())),*]
+            [$((stringify!($component), components.component_id::<$component>())),*]
         };
     }
-    [
-        Kind {
-            id: components.component_id::<Particle>(),
-            needed: named![
-                BodyPosition,
-                BodyRotation,
-                BodyVelocity,
-                BodyAngularVelocity,
-                LastMotion,
-                BodyDrives,
-                LoadControl,
-                AppliedLoad,
-                BodyExternalForce,
-                MaterialIndex
-            ],
-            idle: named![ContactLaw, WallControl, WallDrive, WallSlide, WallTable],
-        },
-        Kind {
-            id: components.component_id::<Wall>(),
-            needed: named![
-                BodyPosition,
-                LastMotion,
-                BodyExternalForce,
-                ContactLaw,
-                WallDrive,
-                WallControl
-            ],
-            idle: named![
-                BodyRotation,
-                BodyVelocity,
-                BodyAngularVelocity,
-                BodyDrives,
-                LoadControl,
-                MaterialIndex
-            ],
-        },
-        Kind {
-            id: components.component_id::<RigidGroup>(),
-            needed: named![
-                BodyPosition,
-                BodyRotation,
-                LastMotion,
-                BodyDrives,
-                LoadControl,
-                AppliedLoad,
-                BodyExternalForce,
-                ContactForce
-            ],
-            idle: named![BodyVelocity, BodyAngularVelocity, ContactLaw, MaterialIndex],
-        },
-        Kind { id: components.component_id::<Bond>(), needed: named![BondState], idle: named![] },
-    ]
+    let parts = named![
+        BodyPosition,
+        BodyRotation,
+        BodyVelocity,
+        BodyAngularVelocity,
+        LastMotion,
+        BodyDrives,
+        LoadControl,
+        AppliedLoad,
+        BodyExternalForce,
+        MaterialIndex,
+        ContactLaw,
+        WallDrive,
+        WallControl,
+        WallSlide,
+        WallTable,
+        ContactForce,
+        BondState
+    ];
+    let kinds = named![Particle, Wall, RigidGroup, Bond];
+    let choices_of_walls = named![WallSlide, WallTable];
+    kinds.into_iter().find_map(|(kind_name, kind)| {
+        let kind = kind?;
+        let needed: Vec<_> = components.get_info(kind)?.required_components().iter_ids().collect();
+        let mut of_kind = archetypes.iter().filter(|all| all.contains(kind) && !all.is_empty());
+        of_kind.find_map(|archetype| {
+            let misfit = parts.iter().find_map(|part @ (name, id)| {
+                let id = (*id)?;
+                let is_choice = kind_name == "Wall" && choices_of_walls.contains(part);
+                match (needed.contains(&id), archetype.contains(id)) {
+                    (true, false) => {
+                        let wanted = "one, which its kind of entity needs";
+                        Some(Bad::new(name, "missing", wanted))
+                    }
+                    (false, true) if !is_choice => {
+                        let wanted = "none: it has no effect on this kind of entity";
+                        Some(Bad::new(name, "a component", wanted))
+                    }
+                    _ => None,
+                }
+            })?;
+            Some((archetype.entities().first()?.id(), misfit))
+        })
+    })
 }

@@ -42,7 +42,7 @@ pub struct DetectContactsPlugin;
 impl Plugin for DetectContactsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<ContactTable>()
-            .init_resource::<Candidates>()
+            .init_resource::<CandidatePairs>()
             .init_resource::<MotionSettings>()
             .add_systems(
                 AttemptIncrement,
@@ -50,10 +50,6 @@ impl Plugin for DetectContactsPlugin {
             );
     }
 }
-
-/// The candidate pairs, kept until motion makes them stale.
-#[derive(Resource, Clone, Debug, Default)]
-pub struct Candidates(pub CandidatePairs);
 
 /// Fills [`ContactTable`], sorted by (a, b): every intact bond, and every pair that may close.
 pub fn detect_contacts(
@@ -63,7 +59,7 @@ pub fn detect_contacts(
     attempt: Res<Attempt>,
     added: Res<AddedPairs>,
     settings: Res<MotionSettings>,
-    mut candidates: ResMut<Candidates>,
+    mut candidates: ResMut<CandidatePairs>,
     mut contacts: ResMut<ContactTable>,
 ) {
     // A step of a motion may change direction: nearby pairs take part whatever the last motion was.
@@ -76,49 +72,34 @@ pub fn detect_contacts(
         .cell
         .map(|cell| periodic::pairs_within(&cell, positions, radii, expected.max_reach(n)));
     if in_cell.is_none() {
-        candidates.0.ensure(positions, radii, expected.max_reach(n));
+        candidates.ensure(positions, radii, expected.max_reach(n));
     }
-    let near = in_cell.as_deref().unwrap_or(candidates.0.pairs());
+    let near = in_cell.as_deref().unwrap_or(candidates.pairs());
 
     let list = &mut contacts.0;
     list.clear();
     let mut bonds = bodies.bonds.iter().enumerate().peekable();
     let mut missed = added.0.iter().peekable();
-    // Candidates, bonds and added pairs are each sorted by (a, b): one merge keeps all sorted.
-    let mut push = |a: u32, b: u32, wanted: bool, list: &mut Vec<Contact>| {
-        let bond = bonds.next_if(|(_, bond)| (bond.a, bond.b) == (a, b)).map(|(k, _)| k as u32);
-        let wanted = wanted | missed.next_if(|pair| **pair == (a, b)).is_some();
-        if wanted || bond.is_some() {
-            let contact = if (b as usize) < n {
-                pair_contact(&bodies, a, b)
-            } else {
-                match bodies.walls.binary_search_by_key(&b, |w| w.body) {
-                    Ok(k) => wall_contact(&bodies, a, &bodies.walls[k]),
-                    Err(_) => return,
-                }
-            };
-            list.push(Contact { bond, ..contact });
-        }
-    };
     let has_joined = !bodies.groups.is_empty() || !bodies.links.is_empty();
+    // Candidates, bonds and added pairs are each sorted by (a, b): one merge keeps all sorted.
     for (a, b) in merged_pairs(&bodies, &added.0, near) {
         if has_joined && bodies.are_joined(a, b) {
             continue;
         }
-        let wanted = if (b as usize) < n {
-            let d = bodies.way(a as usize, b as usize);
-            d.length() - radii[a as usize] - radii[b as usize] <= expected.pair_reach(a, b)
+        let bond = bonds.next_if(|(_, bond)| (bond.a, bond.b) == (a, b)).map(|(k, _)| k as u32);
+        let is_added = missed.next_if(|pair| **pair == (a, b)).is_some();
+        let (contact, gap) = if (b as usize) < n {
+            let contact = pair_contact(&bodies, a, b);
+            (contact, contact.gap)
         } else {
-            match bodies.walls.binary_search_by_key(&b, |w| w.body) {
-                Ok(k) => {
-                    let (x, r) = (bodies.positions[a as usize], radii[a as usize]);
-                    let gap = wall_gap(&bodies.walls, &bodies.positions, &bodies.walls[k], x, r);
-                    gap <= expected.pair_reach(a, b)
-                }
-                Err(_) => false,
-            }
+            let Some(wall) = bodies.wall(b) else { continue };
+            let (x, r) = (bodies.positions[a as usize], radii[a as usize]);
+            let gap = wall_gap(&bodies.walls, &bodies.positions, wall, x, r);
+            (wall_contact(&bodies, a, wall), gap)
         };
-        push(a, b, wanted, list);
+        if is_added || bond.is_some() || gap <= expected.pair_reach(a, b) {
+            list.push(Contact { bond, ..contact });
+        }
     }
 }
 

@@ -16,24 +16,21 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
+use clastic_cone::program::{ConeProgram, Interaction};
 
 use crate::assemble_program::taut;
 use crate::moved::Moved;
+use crate::solved::{Solved, SolvedContact};
 
 /// Tables of an increment and the place of its geometry.
 pub struct Increment<'a> {
-    /// Bodies at the start.
-    pub bodies: &'a BodyTable,
-    /// Contacts at the start.
-    pub contacts: &'a ContactTable,
-    /// The program that was solved.
-    pub program: &'a ConeProgram,
+    /// Bodies and contacts at the start, and the program that was solved.
+    pub solved: Solved<'a>,
     /// Theta of a time step; `None` in static analysis.
     pub theta: Option<f64>,
 }
@@ -51,12 +48,10 @@ pub struct Ending {
 }
 
 impl Increment<'_> {
-    /// The geometry of every pair about the motion `u`, sorted by pair. `forces` are those of the solution
-    /// that led there.
-    pub fn about(&self, u: &[[f64; 3]], forces: &[[f64; 3]]) -> Vec<Correction> {
-        let end = Moved::by(self.bodies, self.program, u, 1.0).positions;
-        let pairs = self.contacts.0.iter().zip(&self.program.interactions).zip(forces);
-        let correction = |((contact, c), [p, ..]): ((&Contact, &Interaction), &[f64; 3])| {
+    /// The geometry of every pair about the motion `u`, to which the solution has led, sorted by pair.
+    pub fn about(&self, u: &[[f64; 3]]) -> Vec<Correction> {
+        let end = Moved::by(self.solved, u, 1.0).positions;
+        let correction = |(contact, c, [p, ..]): SolvedContact| {
             let (exact, moved) = self.exact(contact, c, u, &end)?;
             Some(Correction {
                 pair: (contact.a, contact.b),
@@ -69,31 +64,25 @@ impl Increment<'_> {
                 lag: self.closing(contact, c, &exact).map_or(0.0, |closing| closing.lag),
             })
         };
-        pairs.filter_map(correction).collect()
+        self.solved.contacts().filter_map(correction).collect()
     }
 
     /// What the geometry at the end of a solution changes about the interactions that `counts` names.
     /// The program has the geometry of `corrections`.
-    pub fn ending(
-        &self,
-        solution: &ConeSolution,
-        corrections: &Corrections,
-        counts: &[bool],
-    ) -> Ending {
-        let Self { bodies, contacts, program, .. } = self;
+    pub fn ending(&self, corrections: &Corrections, counts: &[bool]) -> Ending {
+        let Solved { bodies, program, solution, .. } = self.solved;
         let u = &solution.displacements;
-        let end = Moved::by(bodies, program, u, 1.0).positions;
+        let end = Moved::by(self.solved, u, 1.0).positions;
         let mut loads = vec![[0.0; 3]; program.bodies.len()];
         let mut all = loads.clone();
         let mut misfits = vec![[0.0; 2]; program.interactions.len()];
         let mut by_closing = 0.0;
-        for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
-            let f = solution.forces[k];
+        for (k, (contact, c, f)) in self.solved.contacts().enumerate() {
             if !counts[k] {
                 continue;
             }
             let Some((exact, moved)) = self.exact(contact, c, u, &end) else { continue };
-            let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(&f);
+            let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(f);
             if let Some(closing) = self.closing(contact, c, &exact)
                 && !dilates
             {
@@ -113,7 +102,7 @@ impl Increment<'_> {
                     answer[0] = answer[0].max(-f[0]);
                 }
             }
-            if c.tangential_compliance > 0.0 && !c.limits.slides(&f) {
+            if c.tangential_compliance > 0.0 && !c.limits.slides(f) {
                 answer[1] = slip / c.tangential_compliance;
             }
             let half = 0.5 * (exact.gaps[0] - old.map_or(contact.gap, |o| o.gap));
@@ -128,7 +117,7 @@ impl Increment<'_> {
             }
         }
         // A tie represents the turned force of its bond.
-        for (_, tie) in taut::ties(bodies, contacts, program) {
+        for (_, tie) in taut::ties(self.solved) {
             let (c, f) = (&program.interactions[tie], &solution.forces[tie]);
             for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
                 add(program, &mut loads, body as usize, sign * f[0] * c.normal, 0.0);
@@ -136,7 +125,7 @@ impl Increment<'_> {
             }
         }
         // The force on a wall is the sum of many, so that it would hide what is wrong at one of them.
-        let is_wall = |row: usize| bodies.walls.iter().any(|wall| wall.body as usize == row);
+        let is_wall = |row: usize| bodies.wall(row as u32).is_some();
         let forces = all.iter().enumerate().filter(|(row, _)| !is_wall(*row));
         let imbalance = forces.map(|(_, r)| r[0].hypot(r[1])).fold(0.0, f64::max);
         Ending { loads, misfits, imbalance, by_closing }
@@ -159,7 +148,7 @@ impl Increment<'_> {
     /// Sum of the arms of the program; twice the arm of the particle at a wall. The arms of a group
     /// are about its centre.
     fn arms(&self, contact: &Contact, c: &Interaction, old: Option<&Correction>) -> f64 {
-        let bodies = self.bodies;
+        let bodies = self.solved.bodies;
         let (a, b) = (contact.a as usize, contact.b as usize);
         if bodies.group(a).is_some() || bodies.group(b).is_some() {
             let other = bodies.radii.get(b).unwrap_or(&bodies.radii[a]);
@@ -180,7 +169,7 @@ impl Increment<'_> {
         u: &[[f64; 3]],
         end: &[DVec2],
     ) -> Option<(Exact, DVec2)> {
-        let Self { bodies, program, theta, .. } = self;
+        let (Solved { bodies, program, .. }, theta) = (self.solved, self.theta);
         // Normals count at this place: 0 is the start, 1 the end.
         let place = theta.map_or(1.0, |theta| 1.0 - theta);
         let (a, b) = (contact.a as usize, contact.b as usize);
@@ -306,8 +295,7 @@ fn of_wall(
     way: [DVec2; 3],
     is_time_step: bool,
 ) -> Option<Exact> {
-    let k = bodies.walls.binary_search_by_key(&contact.b, |w| w.body).ok()?;
-    let wall = bodies.walls.get(k).filter(|wall| is_time_step || !wall.is_line())?;
+    let wall = bodies.wall(contact.b).filter(|wall| is_time_step || !wall.is_line())?;
     let is_grouped = bodies.group(contact.b as usize).is_some();
     if is_grouped || matches!(bodies.wall_drive(wall), WallDrive::Turning { .. }) {
         return None;

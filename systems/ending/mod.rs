@@ -30,7 +30,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{BodyTable, ContactTable, WallRow};
+use clastic_components::contact::WallRow;
 use clastic_components::findings::{Corrections, Guesses};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 use clastic_components::wall_shape::WallShape;
@@ -40,6 +40,7 @@ use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
 use crate::places::digits;
+use crate::solved::{Solved, SolvedTables};
 use crate::turns::{carrying, furthest, of_bonded, of_loaded};
 
 /// Maximum out-of-balance force at the end over the maximum force where nothing slides.
@@ -75,10 +76,7 @@ pub struct Stiffness(LinearResponse);
 pub struct Tables<'w> {
     acceptance: Res<'w, Acceptance>,
     analysis: Res<'w, ClasticAnalysis>,
-    bodies: Res<'w, BodyTable>,
-    contacts: Res<'w, ContactTable>,
-    program: Res<'w, ConeProgram>,
-    solution: Res<'w, ConeSolution>,
+    solved: SolvedTables<'w>,
 }
 
 /// Requests another pass until the end of the increment is in equilibrium.
@@ -88,14 +86,15 @@ pub fn judge(
     mut state: ResMut<Corrections>,
     mut attempt: ResMut<Attempt>,
 ) {
-    let Tables { bodies, program, solution, .. } = &tables;
-    let (solution, state) = (&**solution, &mut *state);
+    let solved = tables.solved.get();
+    let Solved { bodies, program, solution, .. } = solved;
+    let state = &mut *state;
     let is_followed = state.idle_motion.is_some();
-    let far = furthest(bodies, &tables.contacts, program, solution, is_followed);
+    let far = furthest(solved, is_followed);
     let Some(increment) = tables.increment(far) else { return };
     let is_static = tables.is_static();
     let counts = tables.counting();
-    let ending = increment.ending(solution, state, &counts);
+    let ending = increment.ending(state, &counts);
     let last = LAST_FORCE * force_scale(program, &program.last_forces);
     let unit = force_scale(program, &solution.forces).max(last);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
@@ -138,11 +137,11 @@ pub fn judge(
     if makes_way && state.passes < MAX_PASSES {
         let over = |guess: Vec<[f64; 3]>| {
             let end = ConeSolution { displacements: guess, ..solution.clone() };
-            let turn = of_loaded(bodies, &tables.contacts, program, &end);
+            let turn = of_loaded(Solved { solution: &end, ..solved });
             if is_elastic { turn / tables.acceptance.turn } else { 0.0 }
         };
         let guess = motion.next(&mut state.guesses, (&idle, growth), solution, over);
-        state.list = increment.about(&guess, &solution.forces);
+        state.list = increment.about(&guess);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
     } else if is_lost {
@@ -171,8 +170,7 @@ pub fn fail(state: &mut Corrections, is_elastic: bool, why: &str) -> Verdict {
 impl Tables<'_> {
     /// The increment with the place of its geometry, if its end is judged.
     fn increment(&self, far: Option<(usize, f64)>) -> Option<Increment<'_>> {
-        let Self { bodies, contacts, program, analysis, .. } = self;
-        let theta = match analysis.kind {
+        let theta = match self.analysis.kind {
             AnalysisKind::Static => {
                 if far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
                     return None;
@@ -181,14 +179,14 @@ impl Tables<'_> {
             }
             AnalysisKind::Dynamic { theta, .. } => {
                 // Impacts with restitution have normals and offsets of their own.
-                if self.is_at_rest() || analysis.path_theta.is_some() {
+                if self.is_at_rest() || self.analysis.path_theta.is_some() {
                     return None;
                 }
                 Some(theta)
             }
             AnalysisKind::Compaction { .. } => return None,
         };
-        Some(Increment { bodies, contacts, program, theta })
+        Some(Increment { solved: self.solved.get(), theta })
     }
 
     /// Which interactions the end is judged by: those that carry load, and in time steps all bonds. In
@@ -196,7 +194,7 @@ impl Tables<'_> {
     /// that regularises it. It counts where the specimen moves almost without force: where the maximum
     /// force stretches the bond by less than [`FREE`] of the motion.
     fn counting(&self) -> Vec<bool> {
-        let Self { bodies, program, solution, .. } = self;
+        let Solved { bodies, program, solution, .. } = self.solved.get();
         let maximum = force_scale(program, &solution.forces);
         let motion = largest(&solution.displacements, bodies.mean_radius);
         let is_free = |c: &Interaction| maximum * c.normal_compliance < FREE * motion;
@@ -213,8 +211,9 @@ impl Tables<'_> {
 
     /// Whether the increment ends where it began.
     fn is_at_rest(&self) -> bool {
-        let radius = self.bodies.mean_radius;
-        largest(&self.solution.displacements, radius) <= NO_MOTION * radius
+        let Solved { bodies, solution, .. } = self.solved.get();
+        let radius = bodies.mean_radius;
+        largest(&solution.displacements, radius) <= NO_MOTION * radius
     }
 
     fn is_static(&self) -> bool {
@@ -235,11 +234,12 @@ impl Tables<'_> {
             WallShape::Segment => is_static,
             WallShape::Line => false,
         };
-        let mut all = self.program.interactions.iter();
+        let Solved { bodies, program, .. } = self.solved.get();
+        let mut all = program.interactions.iter();
         let contacts_guide = self.keeps_energy();
         all.any(|c| c.normal_compliance > 0.0 && (c.limits.has_strength() || contacts_guide))
-            || !self.bodies.groups.is_empty()
-            || self.bodies.walls.iter().any(guides)
+            || !bodies.groups.is_empty()
+            || bodies.walls.iter().any(guides)
     }
 }
 

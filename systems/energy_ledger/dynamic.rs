@@ -3,23 +3,14 @@
 
 use glam::DVec2;
 
-use clastic_components::body::{
-    BodyAngularVelocity, BodyDrive, BodyExternalForce, BodyId, BodyPosition, BodyVelocity,
-};
+use clastic_components::body::BodyDrive;
 use clastic_components::energy::Energies;
 use clastic_components::rigid_group::GroupRow;
 use clastic_cone::program::ConeProgram;
 
+use super::Moved;
 use super::interactions::{Part, Tables};
-
-/// A body after the step.
-type Row<'a> = (
-    &'a BodyId,
-    &'a BodyPosition,
-    &'a BodyExternalForce,
-    Option<&'a BodyVelocity>,
-    Option<&'a BodyAngularVelocity>,
-);
+use crate::solved::Solved;
 
 /// Adds the work of loads and the kinetic energy of a time step of `dt` (s). Returns the
 /// displacements by body at the mean of the velocities before and after, in the axes of the body,
@@ -29,38 +20,36 @@ pub fn book_bodies(
     tables: &Tables,
     dt: f64,
     theta: f64,
-    rows: &[Row],
+    moved: &[Moved],
 ) -> Vec<[f64; 3]> {
-    let Tables { bodies, analysis, program, solution, .. } = tables;
+    let Solved { bodies, program, solution, .. } = tables.solved;
+    let analysis = tables.laws.analysis;
     let mut mean = solution.displacements.clone();
-    for (id, _, force, velocity, spin) in rows {
-        let Some(i) = bodies.row(**id) else { continue };
+    for &Moved { row: i, force, rates, .. } in moved {
         if i >= bodies.particles && bodies.group(i).is_some() {
             // The forces on a wall of a group act on the group.
             continue;
         }
         let u = program.bodies[i].to_global(solution.displacements[i]);
-        e.external += (0..3).map(|k| force.0[k] * u[k]).sum::<f64>();
-        if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
+        e.external += (0..3).map(|k| force[k] * u[k]).sum::<f64>();
+        if let Some(group) = bodies.group_at(i) {
             book_group(e, tables, dt, theta, group, force, &mut mean[i]);
             continue;
         }
-        let (Some(v), Some(spin)) = (velocity, spin) else { continue };
+        let Some(after) = rates else { continue };
         e.gravity += bodies.masses[i] * analysis.gravity.dot(DVec2::new(u[0], u[1]));
         if analysis.path_theta.is_some() {
             // The balance is that of the program, but the loads do their work along the path.
             let aside = tables.end[i] - bodies.positions[i] - DVec2::new(u[0], u[1]);
             let by_gravity = bodies.masses[i] * analysis.gravity.dot(aside);
-            let by_loads = force.0[0] * aside.x + force.0[1] * aside.y;
+            let by_loads = force[0] * aside.x + force[1] * aside.y;
             e.gravity += by_gravity;
             e.external += by_loads;
             e.numerical += by_gravity + by_loads;
         }
-        let (v_0, w_0) = (bodies.velocities[i], bodies.angular_velocities[i]);
-        let before = [v_0.x, v_0.y, w_0];
-        let after = [v.0.x, v.0.y, spin.0];
+        let before = bodies.rates(i);
         for k in 0..3 {
-            let mass = if k < 2 { bodies.masses[i] } else { bodies.inertias[i] };
+            let mass = bodies.mass_of(i, k);
             let change = after[k] - before[k];
             e.kinetic += 0.5 * mass * change * (after[k] + before[k]);
             if bodies.group(i).is_some() {
@@ -70,7 +59,7 @@ pub fn book_bodies(
             if bodies.drives[i][k] == BodyDrive::Free {
                 mean[i][k] = 0.5 * dt * (before[k] + after[k]);
                 let weight = if k < 2 { mass * analysis.gravity[k] } else { 0.0 };
-                e.numerical += (force.0[k] + weight) * (theta - 0.5) * dt * change;
+                e.numerical += (force[k] + weight) * (theta - 0.5) * dt * change;
             } else {
                 // An imposed velocity holds from the start of the step. Its change is an impulse,
                 // which does its work at the mean velocity.
@@ -90,21 +79,20 @@ fn book_group(
     dt: f64,
     theta: f64,
     group: &GroupRow,
-    force: &BodyExternalForce,
+    force: [f64; 3],
     mean: &mut [f64; 3],
 ) {
-    let Tables { bodies, .. } = tables;
+    let Solved { bodies, solution, .. } = tables.solved;
     let row = group.body as usize;
-    let v_0 = bodies.velocities[row];
-    let before = [v_0.x, v_0.y, bodies.angular_velocities[row]];
-    let all = bodies.load_on_group(group, tables.fraction, tables.analysis.gravity);
+    let before = bodies.rates(row);
+    let all = bodies.load_on_group(group, tables.fraction, tables.laws.analysis.gravity);
     for k in 0..3 {
-        let u = tables.solution.displacements[row][k];
+        let u = solution.displacements[row][k];
         if group.drives[k] == BodyDrive::Free {
             let after = (u / dt - (1.0 - theta) * before[k]) / theta;
             mean[k] = 0.5 * dt * (before[k] + after);
             let of_members = all[k] - group.loads[k].at(tables.fraction);
-            e.numerical += (force.0[k] + of_members) * (theta - 0.5) * dt * (after - before[k]);
+            e.numerical += (force[k] + of_members) * (theta - 0.5) * dt * (after - before[k]);
         } else {
             let change = u / dt - before[k];
             e.external -= 0.5 * group.mass_of(k) * change * change;
@@ -117,15 +105,16 @@ fn book_group(
 /// Work of the weight and of the loads of the members along their finite rotation, less that along
 /// the motion of the program: of second order in the rotation.
 pub(super) fn turned_work(tables: &Tables, group: &GroupRow) -> f64 {
-    let Tables { bodies, analysis, fraction, solution, .. } = tables;
+    let Solved { bodies, solution, .. } = tables.solved;
     let u = solution.displacements[group.body as usize];
     let mut sum = 0.0;
     for i in bodies.particles_of(group) {
         let lever = bodies.lever(group, i);
         let [x, y, _] = GroupRow::carried_linearly(u, lever);
         let aside = DVec2::from_slice(&solution.displacements[i][..2]) - DVec2::new(x, y);
-        let [fx, fy, _] = bodies.loads[i].map(|ramp| ramp.at(*fraction));
-        sum += (bodies.masses[i] * analysis.gravity + DVec2::new(fx, fy)).dot(aside);
+        let [fx, fy, _] = bodies.loads[i].map(|ramp| ramp.at(tables.fraction));
+        let weight = bodies.masses[i] * tables.laws.analysis.gravity;
+        sum += (weight + DVec2::new(fx, fy)).dot(aside);
     }
     sum
 }

@@ -5,29 +5,24 @@ use glam::DVec2;
 use clastic_components::body::Ramp;
 use clastic_components::bond::BondId;
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
+use clastic_components::contact::Contact;
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
 use clastic_components::findings::Corrections;
-use clastic_components::increment::ClasticAnalysis;
-use clastic_components::material::{ContactLaw, Materials};
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Kinematics};
+use clastic_cone::program::{Interaction, Kinematics};
 
-use crate::contact_laws::{contact_law, moment_after_rupture, shear_after_rupture};
+use crate::contact_laws::{Laws, moment_after_rupture, shear_after_rupture};
+use crate::solved::{Solved, SolvedContact};
 use clastic_cone::residuals::{Multipliers, multipliers};
 
 /// Tables of the increment or step: initial and final state.
 pub struct Tables<'a> {
-    pub bodies: &'a BodyTable,
-    pub contacts: &'a ContactTable,
+    pub solved: Solved<'a>,
+    pub laws: Laws<'a>,
     /// Memory of the contacts at the end.
     pub history: &'a ContactHistory,
-    pub materials: &'a Materials,
-    pub analysis: &'a ClasticAnalysis,
     /// Fraction of a whole increment.
     pub fraction: f64,
-    pub program: &'a ConeProgram,
-    pub solution: &'a ConeSolution,
     pub corrections: &'a Corrections,
     /// Positions at the end, m.
     pub end: &'a [DVec2],
@@ -35,19 +30,6 @@ pub struct Tables<'a> {
     pub end_cell: Option<PeriodicCell>,
     /// Loads of the body of the cell along its axes in a whole increment, N, N, N m.
     pub cell_loads: [Ramp; 3],
-}
-
-impl Tables<'_> {
-    /// Distance of the centres of a particle and of the nearest image of another at the end, m.
-    fn distance(&self, a: usize, b: usize) -> f64 {
-        let apart = self.end[b] - self.end[a];
-        self.end_cell.map_or(apart, |cell| apart + cell.shift(apart)).length()
-    }
-
-    /// Rotation of a wall in the increment, rad.
-    fn turned(&self, wall: usize) -> f64 {
-        self.solution.displacements.get(wall).map_or(0.0, |u| u[2])
-    }
 }
 
 /// An interaction of the program with its stored energy.
@@ -129,22 +111,21 @@ pub fn book(
     is_broken: impl Fn(BondId) -> bool,
     mut work: impl FnMut(&mut Energies, &Part),
 ) -> f64 {
-    let Tables { bodies, contacts, program, solution, .. } = tables;
+    let bonds = &tables.solved.bodies.bonds;
     // Three elastic energies: at the start and at the end by the law of the program, and at the end
     // by the law of the state. They differ if bonds break.
     let (mut starts, mut ends, mut state) = (0.0, 0.0, 0.0);
-    let interactions = program.interactions.iter().zip(&solution.forces);
-    for (index, (contact, (c, f))) in contacts.0.iter().zip(interactions).enumerate() {
-        let breaks =
-            contact.bond.map(|k| &bodies.bonds[k as usize]).is_some_and(|b| is_broken(b.id));
-        let part = part(tables, index, contact, c, *f, breaks);
+    for (index, solved) in tables.solved.contacts().enumerate() {
+        let (contact, ..) = solved;
+        let breaks = contact.bond.is_some_and(|k| is_broken(bonds[k as usize].id));
+        let part = part(tables, index, solved, breaks);
         e.rupture += part.opening();
         work(e, &part);
         starts += part.normal[0] + part.shear[0] + part.rolling[0];
         let finish = part.normal[2] + part.shear[1] + part.rolling[1];
         ends += finish;
         state += if breaks {
-            let law = contact_law(bodies, tables.materials, tables.analysis, contact);
+            let law = tables.laws.contact(contact);
             let gap = gap_at(tables, contact);
             let memory = tables.history.get(contact.a, contact.b);
             let [q, tau] = memory.map_or([0.0; 2], |m| [m.q, m.tau]);
@@ -172,15 +153,14 @@ pub fn book(
 fn part<'a>(
     tables: &Tables,
     index: usize,
-    contact: &'a Contact,
-    c: &'a Interaction,
-    forces: [f64; 3],
+    (contact, c, forces): SolvedContact<'a>,
     breaks: bool,
 ) -> Part<'a> {
-    let Tables { bodies, program, solution, corrections, .. } = tables;
-    let theta = tables.analysis.kind.theta();
+    let (Solved { bodies, program, solution, .. }, corrections) =
+        (tables.solved, tables.corrections);
+    let theta = tables.laws.analysis.kind.theta();
     let kinematics = program.kinematics(c, &solution.displacements);
-    let [p, q, tau] = forces;
+    let [p, q, tau] = *forces;
     let is_bond = contact.bond.is_some();
     let born = contact.bond.map_or(0.0, |k| bodies.bonds[k as usize].initial_gap);
     let start = contact.gap - born;
@@ -211,9 +191,9 @@ fn part<'a>(
         index,
         contact,
         law: c,
-        forces,
+        forces: *forces,
         kinematics,
-        multipliers: multipliers(solution.law, c, &kinematics, &forces),
+        multipliers: multipliers(solution.law, c, &kinematics, forces),
         dilation: solution.law.dilation(c),
         is_bond,
         breaks,
@@ -226,19 +206,20 @@ fn part<'a>(
 
 /// Gap of a contact at the end, m.
 pub fn gap_at(tables: &Tables, contact: &Contact) -> f64 {
-    let (bodies, positions) = (tables.bodies, tables.end);
+    let Solved { bodies, solution, .. } = tables.solved;
     let (a, b) = (contact.a as usize, contact.b as usize);
-    match bodies.radii.get(b) {
-        Some(radius) => tables.distance(a, b) - bodies.radii[a] - radius,
-        None => match bodies.walls.iter().find(|w| w.body as usize == b) {
-            Some(wall) if !wall.is_line() || tables.turned(b) != 0.0 => {
-                let near = wall.turned(tables.turned(b)).nearest(positions[b], positions[a]);
-                near.distance - bodies.radii[a]
-            }
-            // The normal of a wall contact points from the particle to the wall.
-            _ => (positions[b] - positions[a]).dot(contact.normal) - bodies.radii[a],
-        },
+    let apart = tables.end[b] - tables.end[a];
+    if let Some(radius) = bodies.radii.get(b) {
+        let way = tables.end_cell.map_or(apart, |cell| apart + cell.shift(apart));
+        return way.length() - bodies.radii[a] - radius;
     }
+    let turned = solution.displacements.get(b).map_or(0.0, |u| u[2]);
+    let distance = match bodies.wall(contact.b).filter(|wall| !wall.is_line() || turned != 0.0) {
+        Some(wall) => wall.turned(turned).nearest(tables.end[b], tables.end[a]).distance,
+        // The normal of a wall contact points from the particle to the wall.
+        None => apart.dot(contact.normal),
+    };
+    distance - bodies.radii[a]
 }
 
 /// Elastic energy of the normal force at a gap relative to the stress-free state, J. A contact
@@ -255,16 +236,16 @@ pub fn after_rupture(
     gap: f64,
     [p, q, tau]: [f64; 3],
 ) -> [f64; 3] {
-    let law: ContactLaw = contact_law(tables.bodies, tables.materials, tables.analysis, contact);
+    let (law, bodies) = (tables.laws.contact(contact), tables.solved.bodies);
     let p = if law.normal_compliance > 0.0 {
         (-gap / law.normal_compliance).max(0.0)
     } else {
         p.max(0.0)
     };
     let tau = if law.rolling_compliance > 0.0 {
-        moment_after_rupture(tau, &Contact { gap, ..*contact }, tables.bodies, &law)
+        moment_after_rupture(tau, &Contact { gap, ..*contact }, bodies, &law)
     } else {
-        let limit = law.rolling_friction * contact.common_radius(tables.bodies) * p;
+        let limit = law.rolling_friction * contact.common_radius(bodies) * p;
         tau.clamp(-limit, limit)
     };
     [p, shear_after_rupture(q, gap, &law), tau]

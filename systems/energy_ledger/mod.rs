@@ -37,7 +37,6 @@
 //! by step. The work of the loads minus friction, rolling and rupture is the kinetic energy that
 //! was removed from the motion.
 
-mod cell;
 mod dynamic;
 mod interactions;
 mod quasi_static;
@@ -51,20 +50,20 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::body::{
     BodyAngularVelocity, BodyExternalForce, BodyId, BodyPosition, BodyVelocity,
 };
-use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
 use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies, Released};
 use clastic_components::findings::{Corrections, Ruptures};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::material::Materials;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 use glam::DVec2;
 
 use self::dynamic::book_bodies;
 use self::interactions::{Before, Part, Tables, after_rupture, book, gap_at};
 use self::quasi_static::Starts;
-use crate::assemble_program::taut;
+use crate::assemble_program::{cell, taut};
+use crate::contact_laws::Laws;
 use crate::schedule::{ClasticHalted, Increment, IncrementSystems, committed};
+use crate::solved::{Solved, SolvedTables};
 use crate::state::RegisterState;
 
 pub(crate) use self::steps::book_step;
@@ -106,35 +105,27 @@ fn note_change(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
 
 /// Updates the rows of bodies.
 fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
-    ledger.released.retain_mut(|released| match (rows.now(released.a), rows.now(released.b)) {
-        (Some(a), Some(b)) => {
-            (released.a, released.b) = (a, b);
-            true
-        }
-        _ => false,
-    });
+    rows.renumber(&mut ledger.released, |released| [&mut released.a, &mut released.b]);
 }
 
 /// A body after the increment.
-type MovedBody = (
-    &'static BodyId,
-    &'static BodyPosition,
-    &'static BodyExternalForce,
-    Option<&'static BodyVelocity>,
-    Option<&'static BodyAngularVelocity>,
-);
-type Moved<'w, 's> = Query<'w, 's, MovedBody>;
+struct Moved {
+    row: usize,
+    /// m.
+    place: DVec2,
+    /// Force and moment of the outside world, N, N, N m.
+    force: [f64; 3],
+    /// Velocity and angular velocity, m/s, m/s, rad/s; `None` of a wall or a rigid group.
+    rates: Option<[f64; 3]>,
+}
 
-/// Initial state and program of the increment.
+/// What the increment followed from, and what it left.
 #[derive(SystemParam)]
-pub struct Solved<'w> {
-    bodies: Res<'w, BodyTable>,
-    contacts: Res<'w, ContactTable>,
+pub struct Committed<'w> {
+    tables: SolvedTables<'w>,
     materials: Res<'w, Materials>,
     analysis: Res<'w, ClasticAnalysis>,
     progress: Res<'w, ClasticProgress>,
-    program: Res<'w, ConeProgram>,
-    solution: Res<'w, ConeSolution>,
     corrections: Res<'w, Corrections>,
     ruptures: Res<'w, Ruptures>,
     /// Memory of the contacts at the start, after a followed motion.
@@ -145,44 +136,56 @@ pub struct Solved<'w> {
 }
 
 /// Books the increment that was just committed.
-pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedger>) {
-    let Solved { bodies, analysis, program, solution, ruptures, motion, .. } = &solved;
+pub fn book_energies(
+    committed: Committed,
+    after: Query<(
+        &BodyId,
+        &BodyPosition,
+        &BodyExternalForce,
+        Option<&BodyVelocity>,
+        Option<&BodyAngularVelocity>,
+    )>,
+    mut ledger: ResMut<EnergyLedger>,
+) {
+    let Committed { materials, analysis, progress, ruptures, motion, .. } = &committed;
+    let solved = committed.tables.get();
+    let Solved { bodies, contacts, program, solution } = solved;
     if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
         // The forces of a compaction come from its regularisation.
         *ledger = EnergyLedger::default();
         return;
     }
-    let mut rows: Vec<_> = moved.iter().collect();
+    let mut rows: Vec<_> = after.iter().collect();
     rows.sort_unstable_by_key(|row| row.0);
+    let row = |(id, x, force, v, spin): (&BodyId, &BodyPosition, &BodyExternalForce, _, _)| {
+        let rates = |(v, spin): (&BodyVelocity, &BodyAngularVelocity)| [v.0.x, v.0.y, spin.0];
+        let rates = Option::zip(v, spin).map(rates);
+        Some(Moved { row: bodies.row(*id)?, place: x.0, force: force.0, rates })
+    };
+    let moved: Vec<Moved> = rows.into_iter().filter_map(row).collect();
     let mut end = bodies.positions.clone();
-    for row in &rows {
-        if let Some(i) = bodies.row(*row.0) {
-            end[i] = row.1.0;
-        }
+    for moved in &moved {
+        end[moved.row] = moved.place;
     }
     let moved_cell = program.cell.map(|cell| {
         let row = cell.body as usize;
         program.bodies[row].to_global(solution.displacements[row])
     });
     let tables = Tables {
-        bodies,
-        contacts: &solved.contacts,
-        history: &solved.history,
-        materials: &solved.materials,
-        analysis,
-        fraction: solved.progress.fraction,
-        program,
-        solution,
-        corrections: &solved.corrections,
+        solved,
+        laws: Laws { bodies, materials, analysis },
+        history: &committed.history,
+        fraction: progress.fraction,
+        corrections: &committed.corrections,
         end: &end,
-        end_cell: cell::deformed(bodies, moved_cell),
-        cell_loads: cell::loads(bodies, analysis, &solved.progress),
+        end_cell: bodies.deformed_cell(moved_cell),
+        cell_loads: cell::loads(bodies, analysis, progress),
     };
     let mut e = Energies::default();
     let is_broken = |bond| ruptures.list.iter().any(|r| r.bond == bond);
     // Motions before the equilibrium were booked step by step.
     let before = Before::of(motion, &ledger);
-    exchange_kinetic(&mut e, &tables, &rows, &mut ledger);
+    exchange_kinetic(&mut e, &tables, &moved, &mut ledger);
     let mut released = Vec::new();
     let mut release = |part: &Part| {
         if part.breaks {
@@ -195,8 +198,8 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     };
     let mut mean = None;
     let stored = if let AnalysisKind::Dynamic { dt, theta } = analysis.kind {
-        let dt = dt * solved.progress.fraction;
-        let mean = &*mean.insert(book_bodies(&mut e, &tables, dt, theta, &rows));
+        let dt = dt * progress.fraction;
+        let mean = &*mean.insert(book_bodies(&mut e, &tables, dt, theta, &moved));
         book(&mut e, &tables, &before, is_broken, |e, part| {
             release(part);
             dynamic::book(e, program, mean, part);
@@ -204,7 +207,7 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
     } else {
         // Forces that ended before a followed motion were booked in that motion.
         let ended = if motion.stored.is_some() { &[][..] } else { &ledger.released };
-        let mut starts = Starts::new(&solved.draft.0, ended, &tables);
+        let mut starts = Starts::new(&committed.draft.0, ended, &tables);
         let stored = book(&mut e, &tables, &before, is_broken, |e, part| {
             release(part);
             starts.book(e, &tables, part);
@@ -214,8 +217,8 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
         stored
     };
     // Interactions of an embedding program lie outside the specimen.
-    let ties: Vec<_> = taut::ties(bodies, &solved.contacts, program).map(|(_, tie)| tie).collect();
-    for k in solved.contacts.0.len()..program.interactions.len() {
+    let ties: Vec<_> = taut::ties(solved).map(|(_, tie)| tie).collect();
+    for k in contacts.0.len()..program.interactions.len() {
         let (c, f) = (&program.interactions[k], &solution.forces[k]);
         let d = program.kinematics(c, &solution.displacements);
         let work = |d: [f64; 3]| f[0] * d[0] + f[1] * d[1] + f[2] * d[2];
@@ -239,31 +242,17 @@ pub fn book_energies(solved: Solved, moved: Moved, mut ledger: ResMut<EnergyLedg
 
 /// Adds the kinetic energy that has come or gone since the last increment, and stores the present
 /// value. Static increments do not change velocities.
-fn exchange_kinetic(
-    e: &mut Energies,
-    tables: &Tables,
-    rows: &[(
-        &BodyId,
-        &BodyPosition,
-        &BodyExternalForce,
-        Option<&BodyVelocity>,
-        Option<&BodyAngularVelocity>,
-    )],
-    ledger: &mut EnergyLedger,
-) {
-    let Tables { bodies, analysis, .. } = tables;
-    let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
+fn exchange_kinetic(e: &mut Energies, tables: &Tables, moved: &[Moved], ledger: &mut EnergyLedger) {
+    let bodies = tables.solved.bodies;
+    let is_dynamic = matches!(tables.laws.analysis.kind, AnalysisKind::Dynamic { .. });
     let (mut start, mut end) = (0.0, 0.0);
-    for (id, _, _, velocity, spin) in rows {
-        let (Some(i), Some(v), Some(spin)) = (bodies.row(**id), velocity, spin) else { continue };
-        let of = |v: DVec2, spin: f64| {
-            0.5 * bodies.masses[i] * v.length_squared() + 0.5 * bodies.inertias[i] * spin * spin
+    for &Moved { row: i, rates, .. } in moved {
+        let Some(now) = rates else { continue };
+        let of = |[x, y, spin]: [f64; 3]| {
+            0.5 * bodies.masses[i] * (x * x + y * y) + 0.5 * bodies.inertias[i] * spin * spin
         };
-        end += of(v.0, spin.0);
-        start += match is_dynamic {
-            true => of(bodies.velocities[i], bodies.angular_velocities[i]),
-            false => of(v.0, spin.0),
-        };
+        end += of(now);
+        start += of(if is_dynamic { bodies.rates(i) } else { now });
     }
     let change = start - ledger.kinetic.unwrap_or(start);
     e.exchange += change;

@@ -15,6 +15,7 @@ use clastic_components::energy::{Energies, Released};
 
 use super::interactions::{Part, Tables};
 use crate::assemble_program::taut;
+use crate::solved::Solved;
 
 /// Forces of the interactions at the start of a static increment.
 pub struct Starts<'a> {
@@ -32,13 +33,13 @@ impl<'a> Starts<'a> {
     /// Before any interaction is booked, all have their final forces. Links and interactions of plugins
     /// keep them; ties have none at the start, where the force of the bond has its direction.
     pub fn new(memory: &'a ContactHistory, released: &'a [Released], tables: &Tables) -> Self {
-        let Tables { bodies, contacts, program, solution, .. } = tables;
+        let Solved { program, solution, .. } = tables.solved;
         let is_rigid = program.interactions.iter().all(|c| {
             [c.normal_compliance, c.tangential_compliance, c.rolling_compliance] == [0.0; 3]
         });
         let released: &[Released] = if is_rigid { &[] } else { released };
         let mut forces = solution.forces.clone();
-        taut::ties(bodies, contacts, program).for_each(|(_, tie)| forces[tie] = [0.0; 3]);
+        taut::ties(tables.solved).for_each(|(_, tie)| forces[tie] = [0.0; 3]);
         Self { memory, released, is_rigid, forces }
     }
 

@@ -4,14 +4,14 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::bond::Rupture;
-use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::energy::{Energies, MotionEnergies};
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
+use clastic_components::increment::ClasticProgress;
+use clastic_cone::program::Dof;
 
-use super::cell;
 use super::interactions::{Before, Tables, book};
+use crate::contact_laws::Laws;
+use crate::solved::Solved;
 
 /// Adds a step before it is applied: with the memory of contacts at its end, the displacements of
 /// the bodies (m, m, rad), and the bonds that break in it.
@@ -21,9 +21,8 @@ pub(crate) fn book_step(
     moved: &[[f64; 3]],
     broken: &[Rupture],
 ) {
-    let (bodies, program) = (world.resource::<BodyTable>(), world.resource::<ConeProgram>());
-    let (solution, analysis) =
-        (world.resource::<ConeSolution>(), world.resource::<ClasticAnalysis>());
+    let (solved, laws) = (Solved::of(world), Laws::of(world));
+    let Solved { bodies, program, solution, .. } = solved;
     let mut e = Energies::default();
     let mut held = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(&solution.forces, &mut held);
@@ -37,7 +36,7 @@ pub(crate) fn book_step(
         }
     }
     for (i, u) in moved.iter().enumerate().take(bodies.particles) {
-        e.gravity += bodies.static_weight(i, analysis.gravity).dot(DVec2::new(u[0], u[1]));
+        e.gravity += bodies.static_weight(i, laws.analysis.gravity).dot(DVec2::new(u[0], u[1]));
     }
     // The loads of the program contain the weight.
     e.external -= e.gravity;
@@ -45,17 +44,13 @@ pub(crate) fn book_step(
     let end: Vec<DVec2> =
         bodies.positions.iter().zip(moved).map(|(x, u)| *x + DVec2::new(u[0], u[1])).collect();
     let tables = Tables {
-        bodies,
-        contacts: world.resource::<ContactTable>(),
+        solved,
+        laws,
         history,
-        materials: world.resource(),
-        analysis,
         fraction: world.resource::<ClasticProgress>().fraction,
-        program,
-        solution,
         corrections: world.resource(),
         end: &end,
-        end_cell: cell::deformed(bodies, moved.get(bodies.positions.len()).copied()),
+        end_cell: bodies.deformed_cell(moved.get(bodies.positions.len()).copied()),
         // The loads of a step are constant.
         cell_loads: Default::default(),
     };

@@ -3,7 +3,7 @@
 use glam::DVec2;
 
 use clastic_components::body::Ramp;
-use clastic_components::contact::WallRow;
+use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::energy::{Energies, Released};
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, Dof, Interaction};
@@ -13,12 +13,13 @@ use super::interactions::Tables;
 use super::quasi_static::Starts;
 use crate::assemble_program::cell::set_images;
 use crate::assemble_program::groups::join;
+use crate::solved::Solved;
 
 /// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
 /// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_jump`:
 /// the first increment, or a removed body), and `turning` otherwise.
 pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
-    let Tables { bodies, analysis, program, solution, contacts, .. } = tables;
+    let Solved { bodies, program, solution, contacts } = tables.solved;
     let zero = vec![[0.0; 3]; program.bodies.len()];
     let (mut before, mut after) = (zero.clone(), zero);
     program.add_forces(&starts.forces, &mut before);
@@ -27,7 +28,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
     for released in starts.released {
         let key = (released.a, released.b);
         if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
-            let mut c = [bond_of(tables, released)];
+            let mut c = [bond_of(bodies, released)];
             set_images(bodies, &mut c);
             join(bodies, &mut c);
             let [c] = c;
@@ -46,9 +47,10 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
     for (i, body) in program.bodies.iter().enumerate() {
         let wall = walls.next_if(|wall| wall.body as usize == i);
         let u = solution.displacements[i];
-        let group = bodies.groups.iter().find(|group| group.body as usize == i);
+        let group = bodies.group_at(i);
         if i < bodies.particles {
-            e.gravity += bodies.static_weight(i, analysis.gravity).dot(DVec2::new(u[0], u[1]));
+            let weight = bodies.static_weight(i, tables.laws.analysis.gravity);
+            e.gravity += weight.dot(DVec2::new(u[0], u[1]));
         }
         for k in 0..3 {
             match &body.dofs[k] {
@@ -79,10 +81,9 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
 }
 
 /// The bond that broke at the end of the last increment, in the current geometry.
-fn bond_of(tables: &Tables, released: &Released) -> Interaction {
-    let Tables { bodies, .. } = tables;
+fn bond_of(bodies: &BodyTable, released: &Released) -> Interaction {
     let (a, b) = (released.a as usize, released.b as usize);
-    let wall = bodies.walls.iter().find(|wall| wall.body == released.b);
+    let wall = bodies.wall(released.b);
     let apart =
         if wall.is_some() { bodies.positions[b] - bodies.positions[a] } else { bodies.way(a, b) };
     let other = bodies.radii.get(b).copied().unwrap_or_default();

@@ -31,43 +31,36 @@ impl Motion {
         [dt, whole]: [f64; 2],
         i: usize,
     ) -> Option<Self> {
-        if i < bodies.particles {
-            let mut motion = Self { velocity: bodies.velocities[i], ..Self::default() };
-            for k in 0..2 {
-                // A driven body has its velocity from the start of the increment on.
-                if let BodyDrive::Imposed(u) = bodies.drive(i, k) {
-                    motion.velocity[k] = u / whole;
-                } else if let Dof::Free(free) = &program.bodies[i].dofs[k] {
-                    motion.acceleration[k] = load_acceleration(free, dt);
-                }
-            }
-            return Some(motion);
-        }
-        if let Some(group) = bodies.groups.iter().find(|group| group.body as usize == i) {
-            let is_free = |k: usize| bodies.group_drive(group, k) == BodyDrive::Free;
-            if group.mass == 0.0 && (0..3).any(is_free) {
+        let group = bodies.group_at(i);
+        if i < bodies.particles || group.is_some() {
+            let drive = |k| match group {
+                Some(group) => bodies.group_drive(group, k),
+                None => bodies.drive(i, k),
+            };
+            let is_free = |k| drive(k) == BodyDrive::Free;
+            if group.is_some_and(|group| group.mass == 0.0) && (0..3).any(is_free) {
                 // Walls without particles have no mass.
                 return None;
             }
-            let mut rates = [bodies.velocities[i].x, bodies.velocities[i].y, 0.0];
-            rates[2] = bodies.angular_velocities[i];
-            let mut gains = [0.0; 3];
+            let (mut rates, mut gains) = (bodies.rates(i), [0.0; 3]);
             for k in 0..3 {
-                if let BodyDrive::Imposed(u) = bodies.group_drive(group, k) {
+                // A driven body has its velocity from the start of the increment on.
+                if let BodyDrive::Imposed(u) = drive(k) {
                     rates[k] = u / whole;
                 } else if let Dof::Free(free) = &program.bodies[i].dofs[k] {
                     gains[k] = load_acceleration(free, dt);
                 }
             }
+            // Normal forces have no arm on a particle.
+            let turning = group.map_or([0.0; 2], |_| [rates[2], gains[2]]);
             return Some(Self {
                 velocity: DVec2::new(rates[0], rates[1]),
                 acceleration: DVec2::new(gains[0], gains[1]),
-                spin: rates[2],
-                angular_acceleration: gains[2],
+                spin: turning[0],
+                angular_acceleration: turning[1],
             });
         }
-        let wall = bodies.walls.iter().find(|wall| wall.body as usize == i)?;
-        match bodies.wall_drive(wall) {
+        match bodies.wall_drive(bodies.wall(i as u32)?) {
             WallDrive::Imposed(u) => Some(Self { velocity: u / whole, ..Self::default() }),
             WallDrive::Turning { about, angle } => {
                 let spin = angle / whole;
@@ -177,7 +170,7 @@ impl Approach {
     ) -> Option<Hit> {
         let [mut time, speed] = self.hit(dt)?;
         let (a, b) = (c.a as usize, c.b as usize);
-        let wall = bodies.walls.iter().find(|wall| wall.body as usize == b);
+        let wall = bodies.wall(c.b);
         // The path of a point of a wall that turns is straight to first order.
         let turns = motions[b].is_some_and(|motion| motion.spin != 0.0);
         if wall.is_some_and(|wall| wall.is_line() || turns) {

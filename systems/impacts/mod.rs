@@ -1,6 +1,5 @@
 //! Impacts of rigid bodies in time steps: what hits what, how it rebounds, and where it goes.
 
-pub mod announce;
 pub mod hits;
 pub mod paths;
 pub mod push_out;

@@ -16,16 +16,21 @@
 //! increment and dissipates `m (1 - e^2) w_0^2/2`, whatever the loads. If a pair of the program
 //! would overlap by these paths, both bodies move by `dt v`.
 
+use std::borrow::Cow;
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, Contact, ContactTable, WallRow};
-use clastic_components::findings::Impacts;
+use clastic_components::contact::Contact;
+use clastic_components::findings::{Impacts, Pushed};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use clastic_cone::program::{Dof, Interaction};
 use glam::DVec2;
 
 use super::hits::load_acceleration;
 use super::push_out::residual_overlap;
 use crate::rigid_groups::carry;
+use crate::solved::Solved;
 use clastic_cone::residuals::Carrying;
 
 /// Kind of path of a particle in an increment.
@@ -37,40 +42,47 @@ enum Path {
     End,
 }
 
-/// Displacements by body in the axes of the body; `None` if no contact has restitution.
-#[must_use]
-pub fn paths(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    analysis: &ClasticAnalysis,
-    acceptance: &Acceptance,
-    progress: &ClasticProgress,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    impacts: &Impacts,
-) -> Option<Vec<[f64; 3]>> {
-    let (Some(theta), AnalysisKind::Dynamic { dt, .. }) = (analysis.path_theta, analysis.kind)
-    else {
-        return None;
-    };
-    let dt = dt * progress.fraction;
-    let step = Step { bodies, program, solution, impacts, theta, dt };
-    let mut kinds = kinds(bodies.particles, program, solution, impacts);
-    let mut out = solution.displacements.clone();
-    for (i, kind) in kinds.iter().enumerate() {
-        out[i] = step.displacement(i, *kind);
+/// Where bodies go in an increment, and what it depends on beside the solution.
+#[derive(SystemParam)]
+pub struct Paths<'w> {
+    analysis: Res<'w, ClasticAnalysis>,
+    acceptance: Res<'w, Acceptance>,
+    progress: Res<'w, ClasticProgress>,
+    pushed: Res<'w, Pushed>,
+    impacts: Res<'w, Impacts>,
+}
+
+impl Paths<'_> {
+    /// Displacements by body in the axes of the body, m, m, rad: those that separate rigid overlaps,
+    /// else those of paths, else those of the solution.
+    #[must_use]
+    pub fn motion<'a>(&'a self, solved: Solved<'a>) -> Cow<'a, [[f64; 3]]> {
+        if let Some(pushed) = &self.pushed.0 {
+            return pushed.into();
+        }
+        let Self { analysis, .. } = self;
+        let (Some(theta), AnalysisKind::Dynamic { dt, .. }) = (analysis.path_theta, analysis.kind)
+        else {
+            return (&solved.solution.displacements).into();
+        };
+        let dt = dt * self.progress.fraction;
+        let step = Step { solved, impacts: &self.impacts, theta, dt };
+        let mut kinds = step.kinds();
+        let mut out = solved.solution.displacements.clone();
+        for (i, kind) in kinds.iter().enumerate() {
+            out[i] = step.displacement(i, *kind);
+        }
+        step.move_groups(&mut out);
+        carry(solved.bodies, &mut out);
+        let allowed = residual_overlap(&self.acceptance, solved.bodies);
+        while step.end_overlaps(allowed, &mut kinds, &mut out) {}
+        out.into()
     }
-    step.move_groups(&mut out);
-    carry(bodies, &mut out);
-    while step.end_overlaps(contacts, residual_overlap(acceptance, bodies), &mut kinds, &mut out) {}
-    Some(out)
 }
 
 /// A dynamic increment and its solution.
 struct Step<'a> {
-    bodies: &'a BodyTable,
-    program: &'a ConeProgram,
-    solution: &'a ConeSolution,
+    solved: Solved<'a>,
     impacts: &'a Impacts,
     /// Theta of the paths.
     theta: f64,
@@ -81,10 +93,10 @@ struct Step<'a> {
 impl Step<'_> {
     /// Displacement of a particle by a kind of path.
     fn displacement(&self, i: usize, kind: Path) -> [f64; 3] {
-        let Self { bodies, dt, theta, .. } = *self;
-        let mut u = self.solution.displacements[i];
-        let v_0 = [bodies.velocities[i].x, bodies.velocities[i].y, bodies.angular_velocities[i]];
-        for (k, dof) in self.program.bodies[i].dofs.iter().enumerate() {
+        let Self { solved: Solved { bodies, program, solution, .. }, dt, theta, .. } = *self;
+        let mut u = solution.displacements[i];
+        let v_0 = bodies.rates(i);
+        for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
             // The displacement of a degree of freedom without interactions is known from its load.
             let is_driven = bodies.drives[i][k] != Default::default();
             match kind {
@@ -110,19 +122,18 @@ impl Step<'_> {
 
     /// Moves the rigid groups, as particles that carry contact forces or none.
     fn move_groups(&self, out: &mut [[f64; 3]]) {
-        let Self { bodies, program, .. } = *self;
+        let Solved { bodies, program, solution, .. } = self.solved;
         if bodies.groups.is_empty() {
             return;
         }
-        let carrying = Carrying::new(program, self.solution);
+        let carrying = Carrying::new(program, solution);
         for group in &bodies.groups {
             let row = group.body as usize;
             let is_carried = program.interactions.iter().enumerate().any(|(k, c)| {
                 (c.a as usize == row || c.b as usize == row) && carrying.is_carrying(k)
             });
             let share = if is_carried { self.impacts.end_share } else { self.theta };
-            let v_0 = bodies.velocities[row];
-            let v_0 = [v_0.x, v_0.y, bodies.angular_velocities[row]];
+            let v_0 = bodies.rates(row);
             for k in (0..3).filter(|k| group.drives[*k] == BodyDrive::Free) {
                 out[row][k] = share * out[row][k] + (1.0 - share) * v_0[k] * self.dt;
             }
@@ -131,15 +142,9 @@ impl Step<'_> {
 
     /// Moves the bodies of rigid pairs that overlap by more than `allowed` (m) by `v dt`. Whether
     /// any other displacement has changed by that.
-    fn end_overlaps(
-        &self,
-        contacts: &ContactTable,
-        allowed: f64,
-        kinds: &mut [Path],
-        out: &mut [[f64; 3]],
-    ) -> bool {
+    fn end_overlaps(&self, allowed: f64, kinds: &mut [Path], out: &mut [[f64; 3]]) -> bool {
         let mut changed = false;
-        for (contact, c) in contacts.0.iter().zip(&self.program.interactions) {
+        for (contact, c, _) in self.solved.contacts() {
             let is_rigid = !(c.normal_compliance > 0.0 || c.limits.has_strength());
             if !is_rigid || self.gap(contact, out) >= -allowed {
                 continue;
@@ -157,16 +162,15 @@ impl Step<'_> {
 
     /// Gap of a pair after these displacements, m.
     fn gap(&self, contact: &Contact, out: &[[f64; 3]]) -> f64 {
-        let bodies = self.bodies;
+        let Solved { bodies, program, .. } = self.solved;
         let (a, b) = (contact.a as usize, contact.b as usize);
         let place = |u: &[f64; 3]| DVec2::new(u[0], u[1]);
-        let moved = place(&self.program.bodies[b].to_global(out[b])) - place(&out[a]);
+        let moved = place(&program.bodies[b].to_global(out[b])) - place(&out[a]);
         if let Some(radius) = bodies.radii.get(b) {
             let distance = (bodies.positions[b] - bodies.positions[a] + moved).length();
             return distance - bodies.radii[a] - radius;
         }
-        let is_bent = |wall: &&WallRow| !wall.is_line() || out[b][2] != 0.0;
-        match bodies.walls.iter().find(|wall| wall.body as usize == b).filter(is_bent) {
+        match bodies.wall(contact.b).filter(|wall| !wall.is_line() || out[b][2] != 0.0) {
             Some(wall) => {
                 let place = bodies.positions[a] - moved;
                 let wall = wall.turned(out[b][2]);
@@ -178,53 +182,56 @@ impl Step<'_> {
 
     /// Moves a particle, or the group that it belongs to, by `v dt`.
     fn move_to_end(&self, i: usize, out: &mut [[f64; 3]]) {
-        let Some(group) = self.bodies.group(i) else {
+        let Solved { bodies, solution, .. } = self.solved;
+        let Some(group) = bodies.group(i) else {
             out[i] = self.displacement(i, Path::End);
             return;
         };
-        let row = group.body as usize;
-        out[row] = self.solution.displacements[row];
-        for j in group.members.iter().map(|j| *j as usize) {
-            out[j] = self.solution.displacements[j];
+        for j in group.members.iter().chain([&group.body]).map(|j| *j as usize) {
+            out[j] = solution.displacements[j];
         }
     }
-}
 
-fn kinds(n: usize, program: &ConeProgram, solution: &ConeSolution, impacts: &Impacts) -> Vec<Path> {
-    let carrying = Carrying::new(program, solution);
-    let mut carried = vec![0_u32; program.bodies.len()];
-    for (k, c) in program.interactions.iter().enumerate() {
-        if carrying.is_carrying(k) {
-            carried[c.a as usize] += 1;
-            carried[c.b as usize] += 1;
-        }
-    }
-    let of = |carried: &u32| if *carried == 0 { Path::Flight } else { Path::Contact };
-    let mut kinds: Vec<_> = carried[..n].iter().map(of).collect();
-    for impact in &impacts.single {
-        let c = &program.interactions[impact.interaction];
-        let pair = [c.a as usize, c.b as usize];
-        // A pair that would meet after the end of the step carries no force.
-        let own = u32::from(carrying.is_carrying(impact.interaction));
-        let is_alone = |i: &usize| *i >= n || !program.bodies[*i].is_free() || carried[*i] == own;
-        if pair.iter().all(is_alone) {
-            for i in pair.into_iter().filter(|i| *i < n) {
-                kinds[i] = Path::Impact(impact.time);
+    /// Kinds of the paths of the particles.
+    fn kinds(&self) -> Vec<Path> {
+        let Solved { bodies, program, solution, .. } = self.solved;
+        let n = bodies.particles;
+        let carrying = Carrying::new(program, solution);
+        let mut carried = vec![0_u32; program.bodies.len()];
+        for (k, c) in program.interactions.iter().enumerate() {
+            if carrying.is_carrying(k) {
+                carried[c.a as usize] += 1;
+                carried[c.b as usize] += 1;
             }
         }
-    }
-    let is_soft = |c: &&Interaction| {
-        c.normal_compliance > 0.0
-            || c.tangential_compliance > 0.0
-            || c.rolling_compliance > 0.0
-            || c.limits.has_strength()
-    };
-    for c in program.interactions.iter().filter(is_soft) {
-        for i in [c.a as usize, c.b as usize].into_iter().filter(|i| *i < n) {
-            if carried[i] > 0 {
-                kinds[i] = Path::End;
+        let of = |carried: &u32| if *carried == 0 { Path::Flight } else { Path::Contact };
+        let mut kinds: Vec<_> = carried[..n].iter().map(of).collect();
+        for impact in &self.impacts.single {
+            let c = &program.interactions[impact.interaction];
+            let pair = [c.a as usize, c.b as usize];
+            // A pair that would meet after the end of the step carries no force.
+            let own = u32::from(carrying.is_carrying(impact.interaction));
+            let is_alone =
+                |i: &usize| *i >= n || !program.bodies[*i].is_free() || carried[*i] == own;
+            if pair.iter().all(is_alone) {
+                for i in pair.into_iter().filter(|i| *i < n) {
+                    kinds[i] = Path::Impact(impact.time);
+                }
             }
         }
+        let is_soft = |c: &&Interaction| {
+            c.normal_compliance > 0.0
+                || c.tangential_compliance > 0.0
+                || c.rolling_compliance > 0.0
+                || c.limits.has_strength()
+        };
+        for c in program.interactions.iter().filter(is_soft) {
+            for i in [c.a as usize, c.b as usize].into_iter().filter(|i| *i < n) {
+                if carried[i] > 0 {
+                    kinds[i] = Path::End;
+                }
+            }
+        }
+        kinds
     }
-    kinds
 }

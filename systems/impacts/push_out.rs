@@ -12,7 +12,9 @@ use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::Pushed;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::ConeProgram;
+
+use crate::solved::{Solved, SolvedTables};
 
 /// Maximum overlap that counts as a residual of the last increment, over the tolerance times the
 /// mean radius. The residual of a gap is relative to the displacements, which are at most one mean
@@ -28,18 +30,13 @@ pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &BodyTable) -> f
 pub fn judge(
     analysis: Res<ClasticAnalysis>,
     acceptance: Res<Acceptance>,
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    tables: SolvedTables,
     mut pushed: ResMut<Pushed>,
     mut attempt: ResMut<Attempt>,
 ) {
     let AnalysisKind::Dynamic { .. } = analysis.kind else { return };
-    if pushed.0.is_some() {
-        return;
-    }
-    if overlaps(&acceptance, &bodies, &contacts, &program) {
+    let Solved { bodies, contacts, program, solution } = tables.get();
+    if pushed.0.is_none() && overlaps(&acceptance, bodies, contacts, program) {
         pushed.0 = Some(solution.displacements.clone());
         attempt.verdict = Verdict::Again;
     }

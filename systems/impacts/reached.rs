@@ -12,7 +12,6 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Impacts, Reached};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramBody};
@@ -20,6 +19,7 @@ use clastic_cone::residuals::Carrying;
 
 use super::push_out::residual_overlap;
 use crate::measures::fragments::{join, root};
+use crate::solved::{Solved, SolvedTables};
 
 /// Gain of energy over the exchange of energy in a cluster that is no gain: the tolerance of the solver
 /// leaves as much.
@@ -30,10 +30,7 @@ const LEAST: f64 = 0.5;
 /// Adds what the impacts have caused, and requests another solution.
 pub fn judge(
     settings: (Res<Acceptance>, Res<ClasticAnalysis>, Res<ClasticProgress>),
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    tables: SolvedTables,
     impacts: Res<Impacts>,
     mut reached: ResMut<Reached>,
     mut attempt: ResMut<Attempt>,
@@ -44,24 +41,25 @@ pub fn judge(
         return;
     }
     let dt = dt * progress.fraction;
-    let carrying = Carrying::new(&program, &solution);
-    let clusters = Clusters::new(&program, |k| carrying.is_carrying(k));
+    let solved = tables.get();
+    let Solved { bodies, program, solution, .. } = solved;
+    let carrying = Carrying::new(program, solution);
+    let clusters = Clusters::new(program, |k| carrying.is_carrying(k));
     let mut struck = vec![false; program.bodies.len()];
     for k in impacts.hit.iter().filter(|k| carrying.is_carrying(**k)) {
         struck[clusters.of(&program.interactions[*k])] = true;
     }
-    let touch = residual_overlap(&acceptance, &bodies);
+    let touch = residual_overlap(&acceptance, bodies);
     let mut new = Vec::new();
-    for (k, (contact, c)) in contacts.0.iter().zip(&program.interactions).enumerate() {
+    for (k, (contact, c, f)) in solved.contacts().enumerate() {
         let pair = (contact.a, contact.b);
         let is_rigid = c.normal_compliance == 0.0 && !c.limits.has_strength();
         // What dilation closes is no impact.
-        let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(&solution.forces[k]);
+        let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(f);
         let is_known = reached.speed(pair).is_some() || impacts.hit.binary_search(&k).is_ok();
         let may_meet = carrying.is_carrying(k) && struck[clusters.of(c)];
         if may_meet && is_rigid && !is_known && !dilates && contact.gap > touch {
-            let by_force = solution.forces[k][0] * mobility(&program, c);
-            let speed = (c.offset + by_force) / dt;
+            let speed = (c.offset + f[0] * mobility(program, c)) / dt;
             new.push((pair, speed));
         }
     }
@@ -71,7 +69,7 @@ pub fn judge(
         attempt.verdict = Verdict::Again;
         return;
     }
-    let gains = gains(&program, &solution, &clusters, |k| carrying.is_carrying(k));
+    let gains = gains(program, solution, &clusters, |k| carrying.is_carrying(k));
     reached.factors.resize(program.bodies.len(), 1.0);
     for (root, factor) in clusters.root.iter().zip(&mut reached.factors) {
         let cluster = *root as usize;

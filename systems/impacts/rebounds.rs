@@ -34,7 +34,7 @@ use clastic_cone::program::ConeProgram;
 
 use super::hits::{Approach, Motion};
 use super::push_out::{overlaps, residual_overlap};
-use crate::contact_laws::contact_law;
+use crate::contact_laws::Laws;
 
 /// Run condition: contacts have restitution in this stage.
 pub fn has_restitution(analysis: Res<ClasticAnalysis>) -> bool {
@@ -83,20 +83,19 @@ pub fn assemble_rebounds(
         touched[c.a as usize] += 1;
         touched[c.b as usize] += 1;
     }
-    let first_group = bodies.positions.len() - bodies.group_count;
+    let laws = Laws { bodies: &bodies, materials: &materials, analysis: &analysis };
     let ConeProgram { bodies: rows, interactions, .. } = &mut *program;
     for (k, (contact, c)) in contacts.0.iter().zip(interactions).enumerate() {
         let is_free = |body: u32| rows[body as usize].is_free();
         let Some(x) = approaches[k].filter(|_| is_free(c.a) || is_free(c.b)) else { continue };
         let pair = (contact.a, contact.b);
-        let law = contact_law(&bodies, &materials, &analysis, contact);
-        let e = law.restitution * reached.factor(pair);
+        let e = laws.contact(contact).restitution * reached.factor(pair);
         if c.normal_compliance > 0.0 || c.limits.has_strength() || e == 0.0 {
             continue;
         }
         let own = u32::from(near[k]);
         // A group moves on no parabola: its impacts are those of bodies that touch others.
-        let is_group = |body: u32| body as usize >= first_group;
+        let is_group = |body: u32| body as usize >= bodies.first_group();
         let is_alone =
             |body: u32| !is_group(body) && (!is_free(body) || touched[body as usize] == own);
         let free_closing = x.free_closing(dt);

@@ -1,21 +1,16 @@
 //! Fabric tensor of the contacts of particles with each other.
 
-use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::measure::{FabricComponent, Network};
-use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
 
 use super::principal::Principal;
+use crate::solved::Solved;
 
 /// A component of the fabric tensor of the contacts that carry force, with normals at the present
 /// places of the particles. `None` without such contacts.
 #[must_use]
-pub fn fabric(
-    (bodies, contacts): (&BodyTable, &ContactTable),
-    (program, solution): (&ConeProgram, &ConeSolution),
-    component: FabricComponent,
-    network: Network,
-) -> Option<f64> {
+pub fn fabric(solved: Solved, component: FabricComponent, network: Network) -> Option<f64> {
+    let Solved { bodies, contacts, program, solution } = solved;
     let carrying = Carrying::new(program, solution);
     let between = |k: &usize| (contacts.0[*k].b as usize) < bodies.particles;
     let mut counted: Vec<usize> =

@@ -4,20 +4,15 @@
 use glam::DVec2;
 
 use clastic_components::body::BodyId;
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_cone::program::{ConeProgram, ConeSolution};
+
+use crate::solved::Solved;
 
 /// Force (x, y; N) of the contacts with other bodies on the particles, and its moment about their
 /// centre of mass (N m), anticlockwise. Points and centre are those at the start of the increment,
-/// which [`BodyTable`] holds until it is gathered anew. `None` without any of the particles.
+/// which [`BodyTable`](clastic_components::contact::BodyTable) holds until it is gathered anew. `None` without any of the particles.
 #[must_use]
-pub fn force_on(
-    members: &[BodyId],
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> Option<[f64; 3]> {
+pub fn force_on(members: &[BodyId], solved: Solved) -> Option<[f64; 3]> {
+    let bodies = solved.bodies;
     let rows: Vec<usize> = members.iter().filter_map(|id| bodies.row(*id)).collect();
     let mut is_inside = vec![false; bodies.ids.len()];
     let (mut mass, mut middle, mut plain) = (0.0, DVec2::ZERO, DVec2::ZERO);
@@ -34,8 +29,7 @@ pub fn force_on(
     // Particles without mass count alike.
     let centre = if mass > 0.0 { middle / mass } else { plain / count as f64 };
     let mut sum = [0.0; 3];
-    let forces = program.interactions.iter().zip(&solution.forces);
-    for (contact, (c, f)) in contacts.0.iter().zip(forces) {
+    for (contact, c, f) in solved.contacts() {
         let (a, b) = (is_inside[contact.a as usize], is_inside[contact.b as usize]);
         if a == b {
             continue;

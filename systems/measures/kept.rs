@@ -13,8 +13,8 @@ use clastic_components::observation::Measures;
 use clastic_components::particle::Particle;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
+use super::EndTables;
 use super::stress::StressTables;
-use super::{EndTables, groups};
 use crate::detect_contacts::gaps::{pair_contact, wall_contact};
 use crate::gather_bodies::gather_bodies;
 
@@ -129,7 +129,7 @@ pub(crate) fn kept_contacts(
         (ContactTable::default(), ConeProgram::default(), ConeSolution::default());
     for memory in &history.0 {
         let (Some(a), Some(b)) = (row(memory.a), row(memory.b)) else { continue };
-        let contact = match bodies.walls.iter().find(|wall| wall.body == b) {
+        let contact = match bodies.wall(b) {
             Some(wall) => wall_contact(&bodies, a, wall),
             None => pair_contact(&bodies, a, b),
         };
@@ -146,22 +146,8 @@ fn read(tables: StressTables, measures: Res<Measures>) -> [Option<f64>; 2] {
         .map(|measure| tables.stress_now(measure.as_ref()?))
 }
 
-fn read_force(
-    In(quantity): In<Quantity>,
-    tables: StressTables,
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
-) -> Option<f64> {
-    match &quantity {
-        Quantity::Stress(measure) => tables.stress_now(measure),
-        Quantity::GroupForce { select: members, along, .. } => {
-            groups::force_on(members, &bodies, &contacts, &program, &solution)
-                .map(|force| force[*along as usize])
-        }
-        _ => None,
-    }
+fn read_force(In(quantity): In<Quantity>, tables: StressTables) -> Option<f64> {
+    tables.reading_now(&quantity)
 }
 
 fn read_place(

@@ -17,11 +17,8 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::attempt::Attempt;
-use clastic_components::body::{BodyExternalForce, LastMotion};
-use clastic_components::contact::{BodyTable, ContactTable};
+use clastic_components::contact::BodyTable;
 use clastic_components::findings::Corrections;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::measure::{
     CrackSums, ForceComponent, GrainAmount, MembraneValue, Modes, NamedMeasures, Quantity,
     Readings, StrainPath,
@@ -29,14 +26,14 @@ use clastic_components::measure::{
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
 use clastic_components::poured::Poured;
-use clastic_components::wall::Wall;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use clastic_cone::residuals::Carrying;
 
 use crate::moved::Moved;
+use crate::solved::Solved;
 use crate::state::StateOf;
 use strain::StrainTables;
-use stress::{StressTables, as_it_carried};
+use stress::{StressTables, area_of, as_it_carried};
 
 /// Name of [`NamedState`] in a state.
 pub const NAMED: &str = "measures.named";
@@ -75,12 +72,8 @@ impl StateOf for NamedState {
 /// theta of it, and its compliances and offsets are divided by theta. `bodies` are those at the end, the
 /// other tables those of the increment.
 #[must_use]
-pub fn elastic_energy(
-    (bodies, contacts, corrections): (&BodyTable, &ContactTable, &Corrections),
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    theta: f64,
-) -> f64 {
+pub fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> f64 {
+    let Solved { bodies, contacts, program, solution } = solved;
     let end = Moved::not(bodies);
     let force = |k: usize, c: &Interaction| {
         let contact = contacts.0.get(k);
@@ -140,12 +133,9 @@ pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResM
     if named.list.is_empty() {
         return;
     }
-    let read = |quantity: &Option<Quantity>| match quantity {
-        Some(Quantity::Stress(measure)) => tables.stress(measure),
-        Some(Quantity::GroupForce { select: members, along, .. }) => {
-            tables.force_on(members).map(|force| force[*along as usize])
-        }
-        _ => None,
+    let carries = tables.carries();
+    let read = |quantity: &Option<Quantity>| {
+        quantity.as_ref().filter(|_| carries).and_then(|quantity| tables.reading_now(quantity))
     };
     out.0.clear();
     out.0.extend(named.list.iter().map(|(_, quantity)| read(quantity)));
@@ -154,81 +144,60 @@ pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResM
 /// Tables from which the readings at the end of an increment follow.
 #[derive(SystemParam)]
 pub struct EndTables<'w, 's> {
-    bodies: Res<'w, BodyTable>,
-    contacts: Res<'w, ContactTable>,
-    program: Res<'w, ConeProgram>,
-    solution: Res<'w, ConeSolution>,
+    stresses: StressTables<'w, 's>,
     corrections: Res<'w, Corrections>,
-    analysis: Res<'w, ClasticAnalysis>,
-    attempt: Res<'w, Attempt>,
     observation: Res<'w, Observation>,
     strains: StrainTables<'w, 's>,
     path: Option<Res<'w, StrainPath>>,
     cracks: Option<Res<'w, CrackSums>>,
     poured: Option<Res<'w, Poured>>,
-    forces: Query<'w, 's, (&'static Wall, &'static BodyExternalForce, &'static LastMotion)>,
-    membranes: Query<'w, 's, &'static MembraneShape>,
     particles: ring::Particles<'w, 's>,
 }
 
 impl EndTables<'_, '_> {
-    /// Whether the last solution has physical forces. Those of a compaction come from its
-    /// regularisation.
-    fn carries(&self) -> bool {
-        !matches!(self.analysis.kind, AnalysisKind::Compaction { .. })
-            && self.attempt.status.is_committed()
-    }
-
     fn read(&self, quantity: &Quantity, reference: Option<f64>) -> Option<f64> {
-        let theta = self.analysis.kind.theta();
-        let elastic = || {
-            let tables = (&*self.bodies, &*self.contacts, &*self.corrections);
-            self.carries().then(|| elastic_energy(tables, &self.program, &self.solution, theta))
-        };
+        let Self { stresses, observation, .. } = self;
+        let (solved, analysis) = (stresses.solved(), &stresses.analysis);
+        let bodies = solved.bodies;
+        let broken = |modes: Modes| observation.broken[modes.places()].iter().sum::<usize>();
+        let carrying = || stresses.carries().then_some(solved);
+        let elastic =
+            || Some(elastic_energy(carrying()?, &self.corrections, analysis.kind.theta()));
         match quantity {
             Quantity::Strain(measure) => self.strains.strain(measure, reference),
             // These are read at the start, by the stages, or by the plugin.
             Quantity::Stress(_) | Quantity::GroupForce { .. } | Quantity::Custom(_) => None,
+            Quantity::Porosity(MeasureArea::Membrane(membrane)) => {
+                porosity_within(bodies, stresses.membranes.get(*membrane).ok()?)
+            }
             Quantity::Porosity(area) => {
-                let area = match area {
-                    MeasureArea::Fixed(area) => *area,
-                    MeasureArea::Cell => self.bodies.cell?.area(),
-                    MeasureArea::Box((a, b), (c, d)) => {
-                        self.strains.between(*a, *b)? * self.strains.between(*c, *d)?
-                    }
-                    MeasureArea::Membrane(membrane) => {
-                        return self.porosity_within(self.membranes.get(*membrane).ok()?);
-                    }
-                };
-                let disks: f64 = self.bodies.radii.iter().map(|r| PI * r * r).sum();
+                let area = area_of(area, bodies.cell, |a, b| self.strains.between(a, b))?;
+                let disks: f64 = bodies.radii.iter().map(|r| PI * r * r).sum();
                 Some(1.0 - disks / area)
             }
-            Quantity::Coordination { rattlers } => self.coordination(*rattlers),
-            Quantity::Broken(modes) => Some(self.broken(*modes) as f64),
+            Quantity::Coordination { rattlers } => coordination(carrying()?, *rattlers),
+            Quantity::Broken(modes) => Some(broken(*modes) as f64),
             Quantity::BrokenShare(modes) => {
-                let bonds = self.broken(Modes::All) + self.observation.bonds;
-                (bonds > 0).then(|| self.broken(*modes) as f64 / bonds as f64)
+                let bonds = broken(Modes::All) + observation.bonds;
+                (bonds > 0).then(|| broken(*modes) as f64 / bonds as f64)
             }
-            Quantity::VolumetricStrain => self.observation.volumetric_strain,
+            Quantity::VolumetricStrain => observation.volumetric_strain,
             Quantity::DilationAngle { over } => {
                 strain::dilation_angle(&self.path.as_ref()?.0, *over)
             }
             Quantity::Fabric { component, network } => {
-                let tables = (&*self.bodies, &*self.contacts);
-                let solved = (&*self.program, &*self.solution);
-                let fabric = || fabric::fabric(tables, solved, *component, *network);
-                self.carries().then(fabric).flatten()
+                fabric::fabric(carrying()?, *component, *network)
             }
-            Quantity::Fragments(part) => fragments::read(&self.bodies, *part),
+            Quantity::Fragments(part) => fragments::read(bodies, *part),
             Quantity::Cracks { part, mode } => cracks::read(self.cracks.as_ref()?, *mode, *part),
-            Quantity::KineticEnergy => Some(self.observation.kinetic_energy),
+            Quantity::KineticEnergy => Some(observation.kinetic_energy),
             Quantity::ElasticEnergy => elastic(),
             Quantity::KineticOverElastic => {
                 let elastic = elastic().filter(|elastic| *elastic > 0.0)?;
-                Some(self.observation.kinetic_energy / elastic)
+                Some(observation.kinetic_energy / elastic)
             }
             Quantity::WallForce { wall, along } => {
-                let (wall, force, motion) = self.forces.get(*wall).ok()?;
+                let (wall, force, motion, _) = stresses.forces.get(*wall).ok()?;
                 let wall = as_it_carried(wall, motion);
                 let force = DVec2::new(force.0[0], force.0[1]);
                 Some(match along {
@@ -239,7 +208,7 @@ impl EndTables<'_, '_> {
                 })
             }
             Quantity::Membrane { membrane, value } => {
-                let shape = self.membranes.get(*membrane).ok()?;
+                let shape = stresses.membranes.get(*membrane).ok()?;
                 match value {
                     MembraneValue::Grains => Some(shape.grains() as f64),
                     MembraneValue::Area => shape.area(),
@@ -259,14 +228,12 @@ impl EndTables<'_, '_> {
                 let (min, max) = (corner(*min, f64::NEG_INFINITY), corner(*max, f64::INFINITY));
                 let mut mass = 0.0;
                 let (mut number, mut counted) = (0.0, 0.0);
-                for (i, of_grain) in
-                    self.bodies.masses.iter().enumerate().take(self.bodies.particles)
-                {
-                    let x = self.bodies.positions[i];
+                for (i, of_grain) in bodies.masses.iter().enumerate().take(bodies.particles) {
+                    let x = bodies.positions[i];
                     mass += of_grain;
                     if min.cmple(x).all()
                         && x.cmple(max).all()
-                        && (*moved == 0.0 || self.strains.motion(self.bodies.ids[i], x)? >= *moved)
+                        && (*moved == 0.0 || self.strains.motion(bodies.ids[i], x)? >= *moved)
                     {
                         number += 1.0;
                         counted += of_grain;
@@ -279,50 +246,42 @@ impl EndTables<'_, '_> {
                 })
             }
             Quantity::Ring { centre, radii, value } => {
-                let ring = ((*centre).into(), *radii, self.analysis.thickness);
+                let ring = ((*centre).into(), *radii, analysis.thickness);
                 ring::read(&self.particles, self.strains.starts()?, ring, *value)
             }
-            Quantity::Gravity => Some(self.analysis.gravity.length()),
-            Quantity::StrengthFactor => Some(self.analysis.strength),
-            Quantity::Time => Some(self.observation.time),
+            Quantity::Gravity => Some(analysis.gravity.length()),
+            Quantity::StrengthFactor => Some(analysis.strength),
+            Quantity::Time => Some(observation.time),
         }
     }
+}
 
-    /// Number of bonds that broke so far.
-    fn broken(&self, modes: Modes) -> usize {
-        self.observation.broken[modes.places()].iter().sum()
-    }
+/// Porosity of the outer area of a membrane. Disks that have left the specimen do not count.
+fn porosity_within(bodies: &BodyTable, shape: &MembraneShape) -> Option<f64> {
+    let area = shape.outer_area()?;
+    let particles = bodies.ids.iter().zip(&bodies.positions).zip(&bodies.radii);
+    let holds = shape.holds();
+    let held = particles.filter(|((id, x), _)| holds(**id, **x));
+    Some(1.0 - held.map(|(_, r)| PI * r * r).sum::<f64>() / area)
+}
 
-    /// Porosity of the outer area of a membrane. Disks that have left the specimen do not count.
-    fn porosity_within(&self, shape: &MembraneShape) -> Option<f64> {
-        let area = shape.outer_area()?;
-        let bodies = &self.bodies;
-        let particles = bodies.ids.iter().zip(&bodies.positions).zip(&bodies.radii);
-        let holds = shape.holds();
-        let held = particles.filter(|((id, x), _)| holds(**id, **x));
-        Some(1.0 - held.map(|(_, r)| PI * r * r).sum::<f64>() / area)
-    }
-
-    fn coordination(&self, rattlers: bool) -> Option<f64> {
-        if !self.carries() {
-            return None;
-        }
-        let mut contacts = vec![0_u32; self.bodies.particles];
-        let carrying = Carrying::new(&self.program, &self.solution);
-        // Interactions of plugins come after those of the contacts.
-        for (k, contact) in self.contacts.0.iter().enumerate() {
-            if carrying.is_carrying(k) {
-                for body in [contact.a, contact.b] {
-                    if let Some(count) = contacts.get_mut(body as usize) {
-                        *count += 1;
-                    }
+/// Mean number of contacts with force per particle.
+fn coordination(solved: Solved, rattlers: bool) -> Option<f64> {
+    let mut counts = vec![0_u32; solved.bodies.particles];
+    let carrying = Carrying::new(solved.program, solved.solution);
+    // Interactions of plugins come after those of the contacts.
+    for (k, contact) in solved.contacts.0.iter().enumerate() {
+        if carrying.is_carrying(k) {
+            for body in [contact.a, contact.b] {
+                if let Some(count) = counts.get_mut(body as usize) {
+                    *count += 1;
                 }
             }
         }
-        contacts.retain(|count| rattlers || *count >= 2);
-        let sum: u32 = contacts.iter().sum();
-        (!contacts.is_empty()).then(|| f64::from(sum) / contacts.len() as f64)
     }
+    counts.retain(|count| rattlers || *count >= 2);
+    let sum: u32 = counts.iter().sum();
+    (!counts.is_empty()).then(|| f64::from(sum) / counts.len() as f64)
 }
 
 /// Reads all other measures except those of plugins.

@@ -18,7 +18,6 @@ use clastic_components::wall::Wall;
 
 use super::principal::Principal;
 use crate::control_walls::wall_distance;
-use crate::state::StateOf;
 
 /// Where bodies are, and where the particles were at the start of the reference stage.
 #[derive(SystemParam)]
@@ -189,22 +188,6 @@ pub fn dilation_angle(path: &[[f64; 2]], over: f64) -> Option<f64> {
     let sine = -(axial + lateral) / (axial - lateral).abs();
     (sine.abs() <= 1.0).then(|| sine.asin())
 }
-
-/// [`StrainReference`] and [`StrainPath`] in a state. Without such measures they leave no entry.
-macro_rules! state_if_there {
-    ($($what:ty),*) => {$(
-        impl StateOf for $what {
-            fn take(world: &mut World) -> Option<Self> {
-                world.get_resource::<Self>().cloned()
-            }
-
-            fn put(self, world: &mut World) {
-                world.insert_resource(self);
-            }
-        }
-    )*};
-}
-state_if_there!(StrainReference, StrainPath, clastic_components::measure::CrackSums);
 
 /// Displacement gradient of the affine field that fits the motions of bodies best.
 struct AffineField {

@@ -6,20 +6,20 @@ use glam::DVec2;
 
 use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition, LastMotion};
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
+use clastic_components::cell::PeriodicCell;
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
+use clastic_components::measure::Quantity;
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, MeasureLength, StressComponent, StressMeasure};
 use clastic_components::wall::Wall;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::{displacement_scale, force_scale};
 
 use super::groups;
 use super::principal::Principal;
 use crate::assemble_program::taut;
 use crate::control_walls::wall_distance;
-
-type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static BodyPosition)>;
+use crate::solved::{Solved, SolvedTables};
 
 /// Average stress tensor `sum (p n + q t) (x) l / V` of Love and Weber, Pa, compression positive.
 /// The branch l goes from centre to centre, and at a wall from the centre to the line of the wall.
@@ -28,30 +28,18 @@ type Geometry<'w, 's> = Query<'w, 's, (&'static Wall, &'static BodyPosition)>;
 /// positions.
 /// `area` is in m^2.
 #[must_use]
-pub fn average_stress(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    area: f64,
-    thickness: f64,
-) -> [[f64; 2]; 2] {
-    let sum = moments(bodies, contacts, program, solution, |_| 1.0);
+pub fn average_stress(solved: Solved, area: f64, thickness: f64) -> [[f64; 2]; 2] {
+    let sum = moments(solved, |_| 1.0);
     sum.map(|row| row.map(|s| s / (area * thickness)))
 }
 
 /// Sum of f (x) l over all contacts, each with a weight, N m. The force of a taut bond is that of its
 /// contact and of its tie.
-fn moments(
-    bodies: &BodyTable,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    weight: impl Fn(&Contact) -> f64,
-) -> [[f64; 2]; 2] {
+fn moments(solved: Solved, weight: impl Fn(&Contact) -> f64) -> [[f64; 2]; 2] {
+    let Solved { bodies, contacts, program, solution } = solved;
     let mut sum = [[0.0; 2]; 2];
     let own = (0..contacts.0.len()).map(|k| (k, k));
-    for (contact, k) in own.chain(taut::ties(bodies, contacts, program)) {
+    for (contact, k) in own.chain(taut::ties(solved)) {
         let contact = &contacts.0[contact];
         let force = program.interactions[k].force(&solution.forces[k]);
         let l = contact.normal * branch(bodies, contact);
@@ -118,41 +106,47 @@ fn leaning(shape: &MembraneShape, wall: BodyId) -> Option<f64> {
     Some(shape.pressure * (shape.width()? - shape.base(wall)?))
 }
 
+/// The area of an average, m^2, with these distances of walls, m; `None` for that of a membrane.
+pub(super) fn area_of(
+    area: &MeasureArea,
+    cell: Option<PeriodicCell>,
+    distance: impl Fn(Entity, Entity) -> Option<f64>,
+) -> Option<f64> {
+    match *area {
+        MeasureArea::Fixed(area) => Some(area),
+        MeasureArea::Cell => Some(cell?.area()),
+        MeasureArea::Box((a, b), (c, d)) => Some(distance(a, b)? * distance(c, d)?),
+        MeasureArea::Membrane(_) => None,
+    }
+}
+
 /// Tables of the increment from which stresses follow. Average stresses refer to the geometry at
 /// its start, which [`BodyTable`] holds until it is gathered anew.
 #[derive(SystemParam)]
 pub struct StressTables<'w, 's> {
-    bodies: Res<'w, BodyTable>,
-    contacts: Res<'w, ContactTable>,
-    program: Res<'w, ConeProgram>,
-    solution: Res<'w, ConeSolution>,
-    analysis: Res<'w, ClasticAnalysis>,
+    tables: SolvedTables<'w>,
+    pub(super) analysis: Res<'w, ClasticAnalysis>,
     attempt: Res<'w, Attempt>,
-    geometry: Geometry<'w, 's>,
-    forces: Query<
+    geometry: Query<'w, 's, (&'static Wall, &'static BodyPosition)>,
+    pub(super) forces: Query<
         'w,
         's,
         (&'static Wall, &'static BodyExternalForce, &'static LastMotion, &'static BodyId),
     >,
-    membranes: Query<'w, 's, &'static MembraneShape>,
+    pub(super) membranes: Query<'w, 's, &'static MembraneShape>,
 }
 
 impl StressTables<'_, '_> {
-    /// Whether the last solution has physical forces. Those of a compaction come from its
-    /// regularisation and give no stress.
-    fn carries(&self) -> bool {
-        !matches!(self.analysis.kind, AnalysisKind::Compaction { .. })
-            && self.attempt.status.is_committed()
+    /// The bodies with the last solution.
+    pub(super) fn solved(&self) -> Solved<'_> {
+        self.tables.get()
     }
 
-    /// Force (N) and moment (N m) of the contacts on these particles; `None` where nothing carries
-    /// them.
-    #[must_use]
-    pub fn force_on(&self, members: &[BodyId]) -> Option<[f64; 3]> {
-        let Self { bodies, contacts, program, solution, .. } = self;
-        self.carries()
-            .then(|| groups::force_on(members, bodies, contacts, program, solution))
-            .flatten()
+    /// Whether the last solution has physical forces. Those of a compaction come from its
+    /// regularisation and give no stress.
+    pub(super) fn carries(&self) -> bool {
+        !matches!(self.analysis.kind, AnalysisKind::Compaction { .. })
+            && self.attempt.status.is_committed()
     }
 
     /// A stress, Pa; `None` where a wall is not there or nothing carries it.
@@ -161,15 +155,25 @@ impl StressTables<'_, '_> {
         self.carries().then(|| self.stress_now(measure)).flatten()
     }
 
+    /// Reading of a stress, or of the force on a group, by the forces in the tables, whatever they
+    /// come from; `None` for another quantity.
+    pub(super) fn reading_now(&self, quantity: &Quantity) -> Option<f64> {
+        match quantity {
+            Quantity::Stress(measure) => self.stress_now(measure),
+            Quantity::GroupForce { select: members, along, .. } => {
+                groups::force_on(members, self.solved()).map(|force| force[*along as usize])
+            }
+            _ => None,
+        }
+    }
+
     /// A stress of the forces in the tables, whatever they come from.
     pub(super) fn stress_now(&self, measure: &StressMeasure) -> Option<f64> {
-        let thickness = self.analysis.thickness;
+        let (solved, thickness) = (self.solved(), self.analysis.thickness);
+        let distance = |first, second| self.distance(first, second);
         match measure {
             StressMeasure::Walls { walls, length } => {
-                let membrane = match *length {
-                    MeasureLength::Membrane(membrane) => self.membranes.get(membrane).ok(),
-                    _ => None,
-                };
+                let membrane = self.membrane_of(*length);
                 let mut sum = 0.0;
                 for entity in walls {
                     let (wall, force, motion, id) = self.forces.get(*entity).ok()?;
@@ -177,31 +181,17 @@ impl StressTables<'_, '_> {
                     sum += DVec2::new(force.0[0], force.0[1]).dot(inward);
                     sum += thickness * membrane.and_then(|m| leaning(m, *id)).unwrap_or(0.0);
                 }
-                let length = match *length {
-                    MeasureLength::Fixed(length) => length,
-                    MeasureLength::Between(a, b) => self.distance(a, b)?,
-                    MeasureLength::Membrane(_) => membrane?.outer_width()?,
-                };
+                let length = self.length(*length, distance)?;
                 Some(sum / walls.len() as f64 / (length * thickness))
             }
             StressMeasure::Average { component: of, area } => {
-                let is_cell = matches!(area, MeasureArea::Cell);
-                let area = match area {
-                    MeasureArea::Fixed(area) => *area,
-                    MeasureArea::Cell => self.bodies.cell?.area(),
-                    MeasureArea::Box((a, b), (c, d)) => {
-                        self.distance(*a, *b)? * self.distance(*c, *d)?
-                    }
-                    MeasureArea::Membrane(membrane) => {
-                        let shape = self.membranes.get(*membrane).ok()?;
-                        return Some(component(self.within(shape)?, *of));
-                    }
-                };
-                let (bodies, contacts) = (&self.bodies, &self.contacts);
-                let (program, solution) = (&self.program, &self.solution);
-                let mut stress =
-                    average_stress(bodies, contacts, program, solution, area, thickness);
-                if is_cell {
+                if let MeasureArea::Membrane(membrane) = area {
+                    let shape = self.membranes.get(*membrane).ok()?;
+                    return Some(component(self.within(shape)?, *of));
+                }
+                let size = area_of(area, solved.bodies.cell, distance)?;
+                let mut stress = average_stress(solved, size, thickness);
+                if matches!(area, MeasureArea::Cell) {
                     // A cell imposes the shear along x on its faces across y. The other one differs
                     // where forces turn with their bonds within the increment.
                     stress[1][0] = stress[0][1];
@@ -210,9 +200,7 @@ impl StressTables<'_, '_> {
             }
             StressMeasure::Region { component: of, min, max } => {
                 let (min, max) = (DVec2::from(*min), DVec2::from(*max));
-                let inside = |contact: &Contact| part_inside(&self.bodies, contact, min, max);
-                let sum =
-                    moments(&self.bodies, &self.contacts, &self.program, &self.solution, inside);
+                let sum = moments(solved, |c| part_inside(solved.bodies, c, min, max));
                 let volume = (max - min).element_product() * thickness;
                 Some(component(sum.map(|row| row.map(|s| s / volume)), *of))
             }
@@ -231,9 +219,7 @@ impl StressTables<'_, '_> {
             Some(along) => (shape.outer_area()?, along),
             None => (inner, DVec2::ZERO),
         };
-        let (bodies, contacts) = (&self.bodies, &self.contacts);
-        let mut stress =
-            average_stress(bodies, contacts, &self.program, &self.solution, area, thickness);
+        let mut stress = average_stress(self.solved(), area, thickness);
         let strip = shape.pressure * (area - inner) / area;
         for (i, row) in stress.iter_mut().enumerate() {
             for (j, entry) in row.iter_mut().enumerate() {
@@ -243,12 +229,32 @@ impl StressTables<'_, '_> {
         Some(stress)
     }
 
+    /// The membrane whose width is the length of a wall stress.
+    fn membrane_of(&self, length: MeasureLength) -> Option<&MembraneShape> {
+        let MeasureLength::Membrane(membrane) = length else { return None };
+        self.membranes.get(membrane).ok()
+    }
+
+    /// The length of a wall stress, m, with these distances of walls.
+    fn length(
+        &self,
+        length: MeasureLength,
+        distance: impl Fn(Entity, Entity) -> Option<f64>,
+    ) -> Option<f64> {
+        match length {
+            MeasureLength::Fixed(length) => Some(length),
+            MeasureLength::Between(a, b) => distance(a, b),
+            MeasureLength::Membrane(_) => self.membrane_of(length)?.outer_width(),
+        }
+    }
+
     /// Distance of two walls at the start of the increment, m. The load of a stress-controlled wall
     /// acts on this length, so the stress is measured on it.
     fn distance(&self, first: Entity, second: Entity) -> Option<f64> {
+        let bodies = self.solved().bodies;
         let start = |wall: Entity| {
-            let row = self.bodies.entities.iter().position(|e| *e == wall)?;
-            Some(self.bodies.positions[row])
+            let row = bodies.entities.iter().position(|e| *e == wall)?;
+            Some(bodies.positions[row])
         };
         let (wall, _) = self.geometry.get(first).ok()?;
         Some((start(second)? - start(first)?).dot(wall.inward()))
@@ -263,61 +269,49 @@ impl StressTables<'_, '_> {
 /// that contribute to the stress.
 pub fn stress_error(
     In(measure): In<StressMeasure>,
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
-    analysis: Res<ClasticAnalysis>,
+    tables: StressTables,
     acceptance: Res<Acceptance>,
-    geometry: Geometry,
-    ids: Query<&BodyId>,
-    membranes: Query<&MembraneShape>,
 ) -> f64 {
+    let Solved { bodies, contacts, program, solution } = tables.solved();
     let residual = acceptance.residual.max(solution.tolerance);
-    let force = force_scale(&program, &solution.forces);
-    let motion = displacement_scale(&program, &solution.displacements);
+    let force = force_scale(program, &solution.forces);
+    let motion = displacement_scale(program, &solution.displacements);
     let errors = contacts.0.iter().zip(&program.interactions).map(|(contact, c)| {
         let elastic = if c.normal_compliance > 0.0 { motion / c.normal_compliance } else { 0.0 };
         (contact, residual * (force + elastic))
     });
-    let distance = |a: Entity, b: Entity| wall_distance(a, b, &geometry);
-    let shape = |membrane: Entity| membranes.get(membrane).ok();
+    let distance = |a: Entity, b: Entity| Some(wall_distance(a, b, &tables.geometry));
     let (sum, area) = match &measure {
         StressMeasure::Walls { walls, length } => {
-            let row = |wall: &Entity| bodies.row(*ids.get(*wall).ok()?).map(|row| row as u32);
+            let row = |wall: &Entity| {
+                let (.., id) = tables.forces.get(*wall).ok()?;
+                bodies.row(*id).map(|row| row as u32)
+            };
             let walls: Vec<u32> = walls.iter().filter_map(row).collect();
             let at_walls = errors.filter(|(contact, _)| walls.contains(&contact.b));
-            let length = match *length {
-                MeasureLength::Fixed(length) => length,
-                MeasureLength::Between(a, b) => distance(a, b),
-                MeasureLength::Membrane(membrane) => {
-                    shape(membrane).and_then(MembraneShape::outer_width).unwrap_or(f64::NAN)
-                }
-            };
-            (at_walls.map(|(_, error)| error).sum::<f64>() / walls.len() as f64, length)
+            let sum: f64 = at_walls.map(|(_, error)| error).sum();
+            (sum / walls.len() as f64, tables.length(*length, distance))
         }
         StressMeasure::Average { area, .. } => {
             let area = match area {
-                MeasureArea::Fixed(area) => *area,
-                MeasureArea::Box((a, b), (c, d)) => distance(*a, *b) * distance(*c, *d),
                 MeasureArea::Membrane(membrane) => {
-                    shape(*membrane).and_then(MembraneShape::area).unwrap_or(f64::NAN)
+                    tables.membranes.get(*membrane).ok().and_then(MembraneShape::area)
                 }
-                MeasureArea::Cell => bodies.cell.map_or(f64::NAN, |cell| cell.area()),
+                _ => area_of(area, bodies.cell, distance),
             };
-            let error = |(contact, error): (&Contact, f64)| error * branch(&bodies, contact).abs();
+            let error = |(contact, error): (&Contact, f64)| error * branch(bodies, contact).abs();
             (errors.map(error).sum(), area)
         }
         StressMeasure::Region { min, max, .. } => {
             let (min, max) = (DVec2::from(*min), DVec2::from(*max));
             let error = |(contact, error): (&Contact, f64)| {
-                let inside = part_inside(&bodies, contact, min, max);
-                error * inside * branch(&bodies, contact).abs()
+                let inside = part_inside(bodies, contact, min, max);
+                error * inside * branch(bodies, contact).abs()
             };
-            (errors.map(error).sum(), (max - min).element_product())
+            (errors.map(error).sum(), Some((max - min).element_product()))
         }
         // The pressure is imposed, so that it has no error.
         StressMeasure::Membrane(_) => return 0.0,
     };
-    sum / (area * analysis.thickness)
+    sum / (area.unwrap_or(f64::NAN) * tables.analysis.thickness)
 }

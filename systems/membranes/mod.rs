@@ -26,7 +26,7 @@ use clastic_components::membrane::{Chain, Course, Membrane, MembraneShape, Sides
 
 use self::rolling_ball::{Line, RollingBall};
 use crate::schedule::{AddTrialLoads, ClasticHalted};
-use crate::state::{RegisterState, StateOf};
+use crate::state::{RegisterState, StateOf, despawn_all};
 
 /// Adds [`press`]. The record runs [`renew_shapes`].
 pub struct MembranesPlugin;
@@ -57,11 +57,7 @@ impl StateOf for MembraneStates {
     }
 
     fn forget(world: &mut World) {
-        let all: Vec<Entity> =
-            world.query_filtered::<Entity, With<Membrane>>().iter(world).collect();
-        for membrane in all {
-            world.despawn(membrane);
-        }
+        despawn_all::<Membrane>(world);
     }
 }
 
@@ -188,6 +184,5 @@ pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &BodyTable) -> Mem
 
 fn wall_line(bodies: &BodyTable, wall: BodyId) -> Option<Line> {
     let row = bodies.row(wall)?;
-    let wall = bodies.walls.get(row.checked_sub(bodies.particles)?)?;
-    Some(Line { point: bodies.positions[row], inward: wall.inward })
+    Some(Line { point: bodies.positions[row], inward: bodies.wall(row as u32)?.inward })
 }

@@ -14,13 +14,14 @@ use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
 use clastic_components::contact::{BodyTable, Contact, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::Ruptures;
-use clastic_components::increment::{ClasticAnalysis, RollingLimit, RuptureRules};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress, RollingLimit, RuptureRules};
 use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Limits};
+use clastic_cone::program::{ConeSolution, Interaction, Limits};
 
-use crate::contact_laws::{contact_law, moment_after_rupture, shear_after_rupture};
+use crate::contact_laws::{Laws, moment_after_rupture, shear_after_rupture};
 use crate::schedule::{Increment, IncrementSystems, lap};
+use crate::solved::{Solved, SolvedTables};
 use clastic_cone::residuals::{Multipliers, displacement_scale, multipliers};
 
 /// Adds [`rupture_bonds`]; it runs only where there are bonds.
@@ -57,28 +58,22 @@ pub enum Met {
 /// Bonds that the solution brings to a limit, in the order of the contacts.
 #[must_use]
 pub fn find_ruptures(
+    solved: Solved,
     rules: &RuptureRules,
     met: Met,
     increment: u64,
-    bodies: &BodyTable,
-    contacts: &[Contact],
-    program: &ConeProgram,
-    solution: &ConeSolution,
 ) -> Vec<Rupture> {
-    let mut ruptures = Vec::new();
+    let Solved { bodies, program, solution, .. } = solved;
     let maximum = displacement_scale(program, &solution.displacements);
-    for ((contact, c), f) in contacts.iter().zip(&program.interactions).zip(&solution.forces) {
-        if contact.bond.is_none() {
-            continue;
-        }
-        let e = program.kinematics(c, &solution.displacements);
-        let m = multipliers(solution.law, c, &e, f);
-        let Some(mode) = mode(rules, met, [program.scales.length, maximum], c, &m, f) else {
-            continue;
-        };
-        ruptures.extend(rupture(increment, bodies, contact, f, mode));
-    }
-    ruptures
+    let bonds = solved.contacts().filter(|(contact, ..)| contact.bond.is_some());
+    bonds
+        .filter_map(|(contact, c, f)| {
+            let e = program.kinematics(c, &solution.displacements);
+            let m = multipliers(solution.law, c, &e, f);
+            let mode = mode(rules, met, [program.scales.length, maximum], c, &m, f)?;
+            rupture(increment, bodies, contact, f, mode)
+        })
+        .collect()
 }
 
 /// Rupture of the bond of a contact under these forces; `None` without a bond.
@@ -154,18 +149,12 @@ pub struct Overload {
 /// R <= 1 if all limits hold, because one factor scales both. If a yielding rolling limit keeps p
 /// above -f_t, p' is the normal force without this limit, `p - lambda_T/C_N`.
 #[must_use]
-pub fn overloads(
-    contacts: &[Contact],
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    factor: f64,
-) -> Vec<Overload> {
+pub fn overloads(solved: Solved, factor: f64) -> Vec<Overload> {
+    let Solved { program, solution, .. } = solved;
     let is_complete = solution.displacements.len() == program.bodies.len();
-    let interactions = program.interactions.iter().zip(&solution.forces).enumerate();
-    interactions
-        .take(contacts.len())
-        .filter(|(k, _)| contacts[*k].bond.is_some())
-        .map(|(contact, (c, f))| {
+    let bonds = solved.contacts().enumerate().filter(|(_, (contact, ..))| contact.bond.is_some());
+    bonds
+        .map(|(contact, (_, c, f))| {
             let l = &c.limits;
             let [p, q, _] = *f;
             let beyond = if is_complete && l.has_rolling() {
@@ -188,28 +177,20 @@ pub fn overloads(
 
 /// The overloads R at the start of the increment, by the forces after the last one.
 #[must_use]
-pub fn overloads_at_start(
-    contacts: &[Contact],
-    program: &ConeProgram,
-    factor: f64,
-) -> Vec<Overload> {
-    let last = |k: usize| program.last_forces.get(k).copied().unwrap_or_default();
-    let forces = (0..program.interactions.len()).map(last).collect();
+pub fn overloads_at_start(solved: Solved, factor: f64) -> Vec<Overload> {
+    let mut forces = solved.program.last_forces.clone();
+    forces.resize(solved.program.interactions.len(), [0.0; 3]);
     let start = ConeSolution { forces, ..ConeSolution::default() };
-    overloads(contacts, program, &start, factor)
+    overloads(Solved { solution: &start, ..solved }, factor)
 }
 
 /// The contact whose bond has the maximum overload R, of the bonds that yield in a program with
 /// their own strengths: `R = 1 + multiplier/(C limit)`. `None` if no bond yields.
 #[must_use]
-pub fn most_yielding(
-    contacts: &[Contact],
-    program: &ConeProgram,
-    solution: &ConeSolution,
-) -> Option<(usize, f64)> {
-    let interactions = contacts.iter().zip(&program.interactions).zip(&solution.forces);
-    let bonds = interactions.enumerate().filter(|(_, ((contact, _), _))| contact.bond.is_some());
-    let overloads = bonds.map(|(k, ((_, c), f))| {
+pub fn most_yielding(solved: Solved) -> Option<(usize, f64)> {
+    let Solved { program, solution, .. } = solved;
+    let bonds = solved.contacts().enumerate().filter(|(_, (contact, ..))| contact.bond.is_some());
+    let overloads = bonds.map(|(k, (_, c, f))| {
         let m = multipliers(solution.law, c, &program.kinematics(c, &solution.displacements), f);
         let l = &c.limits;
         let tension = m.tension / (c.normal_compliance * l.tension);
@@ -262,6 +243,18 @@ fn mode(
     rolls.then_some(RuptureMode::Rolling)
 }
 
+/// Collects the bonds on a limit at the end of an increment, which break together where no
+/// [event](super::events) is sought. It is the last word on an accepted attempt and objects to none.
+pub fn collect(
+    rules: Res<RuptureRules>,
+    progress: Res<ClasticProgress>,
+    tables: SolvedTables,
+    mut ruptures: ResMut<Ruptures>,
+) {
+    let found = find_ruptures(tables.get(), &rules, Met::Slack, progress.increment);
+    ruptures.list.extend(found);
+}
+
 /// Breaks the bonds that the accepted attempt brought to a limit. Their contacts keep the shear
 /// force that friction can carry.
 pub fn rupture_bonds(
@@ -286,32 +279,31 @@ pub fn rupture_bonds(
     }
     // Bonds that broke in a followed motion have lost their shear force already.
     let last = ruptures.list.iter().skip(ruptures.on_the_way);
-    release(last, &bodies, &contacts, &materials, &analysis, &mut history);
+    let laws = Laws { bodies: &bodies, materials: &materials, analysis: &analysis };
+    release(last, laws, &contacts, &mut history);
 }
 
 /// Reduces the shear force in contacts of broken bonds, and the moment of those that roll
 /// elastically, to what friction can carry.
 pub fn release<'a>(
     ruptures: impl Iterator<Item = &'a Rupture>,
-    bodies: &BodyTable,
+    laws: Laws,
     contacts: &ContactTable,
-    materials: &Materials,
-    analysis: &ClasticAnalysis,
     history: &mut ContactHistory,
 ) {
     for rupture in ruptures {
-        let row = |id| bodies.row(id).map(|row| row as u32);
+        let row = |id| laws.bodies.row(id).map(|row| row as u32);
         let (Some(a), Some(b)) = (row(rupture.a), row(rupture.b)) else { continue };
         let key = (a, b);
         let contact = contacts.0.binary_search_by_key(&key, |c| (c.a, c.b));
         let memory = history.0.binary_search_by_key(&key, |m| (m.a, m.b));
         if let (Ok(c), Ok(m)) = (contact, memory) {
             let contact = &contacts.0[c];
-            let law = contact_law(bodies, materials, analysis, contact);
+            let law = laws.contact(contact);
             let memory = &mut history.0[m];
             memory.q = shear_after_rupture(memory.q, contact.gap, &law);
             if law.rolling_compliance > 0.0 {
-                memory.tau = moment_after_rupture(memory.tau, contact, bodies, &law);
+                memory.tau = moment_after_rupture(memory.tau, contact, laws.bodies, &law);
             }
         }
     }

@@ -4,22 +4,9 @@
 //! neighbours follow. A bond of cemented sand that shears under a confining stress keeps normal
 //! force and friction: it releases its cohesion, which is small beside the forces around it.
 
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::increment::ClasticAnalysis;
-use clastic_components::material::Materials;
+use clastic_components::contact::Contact;
 
-use crate::contact_laws::contact_law;
-
-/// Data from which the forces after a rupture follow.
-#[derive(Clone, Copy)]
-pub struct Laws<'a> {
-    /// Bodies of the contacts.
-    pub bodies: &'a BodyTable,
-    /// Contact laws of their materials.
-    pub materials: &'a Materials,
-    /// Kind of analysis.
-    pub analysis: &'a ClasticAnalysis,
-}
+use crate::contact_laws::Laws;
 
 /// Mean force that the ruptures of bonds release, over the mean of the contact forces,
 ///
@@ -42,7 +29,7 @@ pub fn brittleness(due: &[usize], contacts: &[Contact], forces: &[[f64; 3]], law
 }
 
 fn released(contact: &Contact, [p, q, _]: [f64; 3], laws: Laws) -> f64 {
-    let law = contact_law(laws.bodies, laws.materials, laws.analysis, contact);
+    let law = laws.contact(contact);
     let kept = if contact.gap <= 0.0 { p.max(0.0) } else { 0.0 };
     (p - kept).hypot((q.abs() - law.friction * kept).max(0.0))
 }
@@ -58,7 +45,9 @@ pub fn between(from: &[[f64; 3]], to: &[[f64; 3]], part: f64) -> Vec<[f64; 3]> {
 mod tests {
     use glam::DVec2;
 
-    use clastic_components::material::{ContactLaw, Material};
+    use clastic_components::contact::BodyTable;
+    use clastic_components::increment::ClasticAnalysis;
+    use clastic_components::material::{ContactLaw, Material, Materials};
 
     use super::*;
 

@@ -27,15 +27,16 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::bond::{BondId, Rupture};
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
+use clastic_components::contact::Contact;
 use clastic_components::findings::{EventSearch, Ruptures};
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress, RuptureRules};
 use clastic_components::material::Materials;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::bonds::{Met, find_ruptures, overloads, overloads_at_start, rupture};
-use super::brittleness::{Laws, brittleness};
+use super::brittleness::brittleness;
 use super::density::distance;
+use crate::contact_laws::Laws;
+use crate::solved::{Solved, SolvedTables};
 
 /// Maximum share of the intact bonds that an increment breaks.
 const MAX_SHARE: f64 = 0.04;
@@ -59,19 +60,17 @@ pub fn is_unsettled(search: &EventSearch, ruptures: &Ruptures, progress: &Clasti
 pub fn judge(
     rules: Res<RuptureRules>,
     mut progress: ResMut<ClasticProgress>,
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    tables: SolvedTables,
     mut ruptures: ResMut<Ruptures>,
     mut search: ResMut<EventSearch>,
-    laws: (Res<Materials>, Res<ClasticAnalysis>),
+    (materials, analysis): (Res<Materials>, Res<ClasticAnalysis>),
     mut attempt: ResMut<Attempt>,
 ) {
-    let contacts = &contacts.0;
+    let solved = tables.get();
+    let Solved { bodies, solution, .. } = solved;
+    let contacts = &solved.contacts.0;
     let (increment, fraction) = (progress.increment, progress.fraction);
-    let mut found =
-        find_ruptures(&rules, Met::Slack, increment, &bodies, contacts, &program, &solution);
+    let mut found = find_ruptures(solved, &rules, Met::Slack, increment);
     let on_limit: HashSet<BondId> = found.iter().map(|r| r.bond).collect();
     let late = found.len();
     let moved = search.moved;
@@ -80,16 +79,16 @@ pub fn judge(
         if fraction == 0.0 || moved {
             return Vec::new();
         }
-        let before = overloads_at_start(contacts, &program, 1.0);
-        let after = overloads(contacts, &program, &solution, 1.0);
+        let before = overloads_at_start(solved, 1.0);
+        let after = overloads(solved, 1.0);
         let mut due: Vec<(f64, Rupture)> = before
             .iter()
             .zip(&after)
-            .map(|(from, to)| (distance(from.value, to.value, fraction), to))
+            .map(|(from, to)| (distance(to.value, [from.value, to.value], fraction), to))
             .filter(|(distance, _)| *distance <= 2.0 * next)
             .filter_map(|(distance, o)| {
                 let forces = &solution.forces[o.contact];
-                let rupture = rupture(increment, &bodies, &contacts[o.contact], forces, o.mode)?;
+                let rupture = rupture(increment, bodies, &contacts[o.contact], forces, o.mode)?;
                 (!on_limit.contains(&rupture.bond)).then_some((distance, rupture))
             })
             .collect();
@@ -122,8 +121,7 @@ pub fn judge(
         let is_due =
             |c: &Contact| c.bond.is_some_and(|k| due.contains(&bodies.bonds[k as usize].id));
         let due: Vec<usize> = (0..contacts.len()).filter(|k| is_due(&contacts[*k])).collect();
-        let (materials, analysis) = (&*laws.0, &*laws.1);
-        let laws = Laws { bodies: &bodies, materials, analysis };
+        let laws = Laws { bodies, materials: &materials, analysis: &analysis };
         brittleness(&due, contacts, &solution.forces, laws) <= rules.brittleness
     };
     if late + soon.len() <= 1 && !is_mild() {

@@ -38,7 +38,7 @@ pub fn due(below: &EventTrial, trial: &EventTrial) -> (f64, Vec<usize>) {
     let step = trial.fraction - below.fraction;
     let overloads = below.overloads.iter().zip(&trial.overloads);
     let crossings: Vec<f64> =
-        overloads.map(|(from, to)| below.fraction + distance_from(*from, *to, step)).collect();
+        overloads.map(|(from, to)| below.fraction + distance(*from, [*from, *to], step)).collect();
     let first = crossings.iter().copied().fold(f64::INFINITY, f64::min);
     let rate = trial.change / trial.fraction;
     // An infinite crossing is not within: its difference to the first one is infinite or NaN.
@@ -46,17 +46,11 @@ pub fn due(below: &EventTrial, trial: &EventTrial) -> (f64, Vec<usize>) {
     (first, (0..crossings.len()).filter(within).collect())
 }
 
-/// Distance from the first of two overloads to the limit, at the rate between them; infinite if it
-/// decreases.
-fn distance_from(from: f64, to: f64, step: f64) -> f64 {
-    if to > from { (1.0 - from).max(0.0) / (to - from) * step } else { f64::INFINITY }
-}
-
-/// Distance to the limit of a bond whose overload changes from one value to another in `step`, if
-/// it continues at this rate; infinite if it decreases.
+/// Distance to the limit of a bond with the overload `at`, if that changes at the rate at which it
+/// goes from one value to another in `step`; infinite if it decreases.
 #[must_use]
-pub fn distance(from: f64, to: f64, step: f64) -> f64 {
-    if to > from { (1.0 - to).max(0.0) / (to - from) * step } else { f64::INFINITY }
+pub fn distance(at: f64, [from, to]: [f64; 2], step: f64) -> f64 {
+    if to > from { (1.0 - at).max(0.0) / (to - from) * step } else { f64::INFINITY }
 }
 
 #[cfg(test)]
@@ -94,8 +88,8 @@ mod tests {
 
     #[test]
     fn the_distance_to_a_limit_is_extrapolated() {
-        assert!((distance(0.5, 0.8, 3.0) - 2.0).abs() < 1e-12);
-        assert_eq!(distance(0.9, 0.8, 1.0), f64::INFINITY);
-        assert_eq!(distance(0.9, 1.2, 0.1), 0.0);
+        assert!((distance(0.8, [0.5, 0.8], 3.0) - 2.0).abs() < 1e-12);
+        assert_eq!(distance(0.8, [0.9, 0.8], 1.0), f64::INFINITY);
+        assert_eq!(distance(1.2, [0.9, 1.2], 0.1), 0.0);
     }
 }

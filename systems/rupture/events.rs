@@ -24,9 +24,11 @@ use clastic_cone::program::{ConeProgram, ConeSolution};
 use super::bonds::{
     BuiltInRule, Overload, UNLIMITED, overloads, overloads_at_start, restore_strengths, rupture,
 };
-use super::brittleness::{Laws, between, brittleness};
+use super::brittleness::{between, brittleness};
 use super::density::{density, due};
 use super::event_search::{Decision, at_constant_load, decide, maximum};
+use crate::contact_laws::Laws;
+use crate::solved::Solved;
 use clastic_cone::residuals::residuals;
 
 /// Run condition: bonds break from event to event.
@@ -90,7 +92,9 @@ pub fn judge(
         attempt.verdict = Verdict::Released;
         return;
     }
-    let found = overloads(&tables.contacts.0, &program, &solution, UNLIMITED);
+    let (bodies, contacts) = (&*tables.bodies, &*tables.contacts);
+    let solved = Solved { bodies, contacts, program: &program, solution: &solution };
+    let found = overloads(solved, UNLIMITED);
     let trial = EventTrial {
         change: change(&program, &solution),
         is_solved: true,
@@ -102,12 +106,14 @@ pub fn judge(
         judge_by_true_limits(&found, &mut program, &mut solution);
         return;
     }
-    let below = search.below.clone().unwrap_or_else(|| tables.start(&program));
+    // The start of the increment, by the forces after the last one.
+    let start = || tables.trial(&overloads_at_start(solved, UNLIMITED), 0.0);
+    let below = search.below.clone().unwrap_or_else(start);
     // After a motion under the loads of this trial the fraction can no longer change.
     let decision = if search.moved {
         Decision::Stands(at_constant_load(&trial, rules.tolerance))
     } else if tables.may_break_together(&progress, &search)
-        && tables.break_together(&below, &trial, &found, &program, &solution)
+        && tables.break_together(&below, &trial, &found, solved)
     {
         // The same fraction again, with the strengths of the bonds.
         (search.active, search.dense, progress.dense) = (false, true, true);
@@ -150,11 +156,6 @@ impl Tables<'_> {
         EventTrial { fraction, overloads, change: 0.0, is_solved: false }
     }
 
-    /// The start of the increment, by the forces after the last one.
-    fn start(&self, program: &ConeProgram) -> EventTrial {
-        self.trial(&overloads_at_start(&self.contacts.0, program, UNLIMITED), 0.0)
-    }
-
     /// Whether this is the first trial of a loading with which bonds may break together.
     fn may_break_together(&self, progress: &ClasticProgress, search: &EventSearch) -> bool {
         search.trials == 0
@@ -170,8 +171,7 @@ impl Tables<'_> {
         below: &EventTrial,
         trial: &EventTrial,
         found: &[Overload],
-        program: &ConeProgram,
-        solution: &ConeSolution,
+        solved: Solved,
     ) -> bool {
         if density(below, trial) >= self.rules.density {
             return true;
@@ -181,7 +181,7 @@ impl Tables<'_> {
         let due = found.iter().filter(|o| due.contains(&self.bond(o)));
         let due: Vec<usize> = due.map(|o| o.contact).collect();
         let part = (first / trial.fraction).min(1.0);
-        let forces = between(&program.last_forces, &solution.forces, part);
+        let forces = between(&solved.program.last_forces, &solved.solution.forces, part);
         let Self { bodies, materials, analysis, .. } = self;
         let laws = Laws { bodies, materials, analysis };
         brittleness(&due, &self.contacts.0, &forces, laws) <= self.rules.brittleness

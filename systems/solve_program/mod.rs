@@ -4,7 +4,6 @@ pub mod sliding;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use clastic_components::attempt::Attempt;
 use clastic_components::contact::BodyTable;
@@ -20,7 +19,7 @@ use clastic_cone::solver::{ConeSolver, check};
 use self::sliding::{SlidingSolver, solve_sliding};
 use crate::rigid_groups::{carry_members, has_groups};
 use crate::schedule::{AttemptIncrement, AttemptSystems, Increment, IncrementSystems, lap};
-use crate::state::{RegisterState, StateOf};
+use crate::state::RegisterState;
 
 /// The solver of the world; [`Condensed`](condensed::Condensed) by default.
 #[derive(Resource)]
@@ -37,7 +36,8 @@ pub struct SolveProgramPlugin;
 
 impl Plugin for SolveProgramPlugin {
     fn build(&self, app: &mut App) {
-        app.register_state::<SolverMemory>(SOLVER_MEMORY)
+        // Warm start of the solver by row. The settings determine the solver.
+        app.register_part(SOLVER_MEMORY, memory, remember)
             .init_resource::<ConeSolution>()
             .init_resource::<Solver>()
             .init_resource::<SlidingSolver>()
@@ -61,19 +61,13 @@ impl Plugin for SolveProgramPlugin {
 /// Name of the memory of the solver in a state.
 pub const SOLVER_MEMORY: &str = "solver.memory";
 
-/// Warm start of the solver by row. The settings determine the solver.
-#[derive(Serialize, Deserialize)]
-struct SolverMemory(Vec<[f64; 3]>);
+fn memory(world: &mut World) -> Option<Vec<[f64; 3]>> {
+    world.get_resource::<Solver>().map(|solver| solver.0.memory().to_vec())
+}
 
-impl StateOf for SolverMemory {
-    fn take(world: &mut World) -> Option<Self> {
-        world.get_resource::<Solver>().map(|solver| Self(solver.0.memory().to_vec()))
-    }
-
-    fn put(self, world: &mut World) {
-        if let Some(mut solver) = world.get_resource_mut::<Solver>() {
-            solver.0.remember(&self.0);
-        }
+fn remember(memory: Vec<[f64; 3]>, world: &mut World) {
+    if let Some(mut solver) = world.get_resource_mut::<Solver>() {
+        solver.0.remember(&memory);
     }
 }
 

@@ -11,6 +11,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 use clastic_cone::residuals;
 
 use super::Solver;
+use crate::solved::Solved;
 use crate::turns::too_far;
 
 /// Number of failed solves after which the other solves of the increment are quick.
@@ -79,7 +80,9 @@ pub fn solve_sliding(
     let moves = attempt.motion().is_some();
     // A solution that goes too far is rejected in any case.
     let is_static = analysis.kind == AnalysisKind::Static;
-    if is_static && too_far(&bodies, &contacts, &program, &solution, &acceptance).is_some() {
+    let solved =
+        Solved { bodies: &bodies, contacts: &contacts, program: &program, solution: &solution };
+    if is_static && too_far(solved, &acceptance).is_some() {
         return;
     }
     let enough = acceptance.residual.max(solution.tolerance);

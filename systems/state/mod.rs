@@ -227,6 +227,14 @@ pub fn expect_empty(world: &mut World) -> Result<(), StateError> {
     if bodies + bonds == 0 { Ok(()) } else { Err(StateError::Occupied { bodies, bonds }) }
 }
 
+/// Takes all entities with a component away, whose state names none of them.
+pub(crate) fn despawn_all<T: Component>(world: &mut World) {
+    let all: Vec<Entity> = world.query_filtered::<Entity, With<T>>().iter(world).collect();
+    for entity in all {
+        world.despawn(entity);
+    }
+}
+
 fn encoding(name: &str, error: &postcard::Error) -> StateError {
     StateError::Encoding { name: name.to_owned(), what: error.to_string() }
 }

@@ -1,5 +1,7 @@
 //! The register of state: how each entry is captured and restored.
 
+use std::sync::Arc;
+
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use serde::Serialize;
@@ -11,14 +13,14 @@ use clastic_components::bond::BondId;
 use crate::identities::IdentityTable;
 
 /// Encodes an entry; `None` if the world does not have it.
-type Capture = fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error>;
-type Restore = fn(&mut World, &[u8]) -> Result<(), postcard::Error>;
+type Capture = Arc<dyn Fn(&mut World) -> Result<Option<Vec<u8>>, postcard::Error> + Send + Sync>;
+type Restore = Arc<dyn Fn(&mut World, &[u8]) -> Result<(), postcard::Error> + Send + Sync>;
 /// The contradiction between the world and an entry; `None` if they agree.
-type Check = fn(&World, &[u8]) -> Result<Option<String>, postcard::Error>;
+type Check = Arc<dyn Fn(&World, &[u8]) -> Result<Option<String>, postcard::Error> + Send + Sync>;
 /// Removes an entry from the world.
 type Forget = fn(&mut World);
 
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 pub(super) struct Entry {
     pub(super) name: &'static str,
     /// Whether the entry is of components. These are restored first, so that other state can refer
@@ -95,8 +97,17 @@ pub trait RegisterState {
         name: &'static str,
     ) -> &mut Self;
 
+    /// Registers a part of the world that `take` reads (`None` if the world does not have it) and
+    /// `put` restores.
+    fn register_part<T: Serialize + DeserializeOwned + 'static>(
+        &mut self,
+        name: &'static str,
+        take: fn(&mut World) -> Option<T>,
+        put: fn(T, &mut World),
+    ) -> &mut Self;
+
     /// Registers any other state.
-    fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self;
+    fn register_state<S: StateOf + 'static>(&mut self, name: &'static str) -> &mut Self;
 }
 
 impl RegisterState for App {
@@ -109,12 +120,14 @@ impl RegisterState for App {
             Entry {
                 name,
                 is_component: false,
-                capture: |world| world.get_resource::<T>().map(postcard::to_stdvec).transpose(),
-                check: |_, _| Ok(None),
-                restore: |world, bytes| {
+                capture: Arc::new(|world| {
+                    world.get_resource::<T>().map(postcard::to_stdvec).transpose()
+                }),
+                check: Arc::new(|_, _| Ok(None)),
+                restore: Arc::new(|world, bytes| {
                     world.insert_resource(postcard::from_bytes::<T>(bytes)?);
                     Ok(())
-                },
+                }),
                 forget: |world| {
                     world.remove_resource::<T>();
                 },
@@ -131,29 +144,45 @@ impl RegisterState for App {
             Entry {
                 name,
                 is_component: true,
-                capture: capture_component::<I, T>,
-                check: |_, _| Ok(None),
-                restore: restore_component::<I, T>,
+                capture: Arc::new(capture_component::<I, T>),
+                check: Arc::new(|_, _| Ok(None)),
+                restore: Arc::new(restore_component::<I, T>),
                 forget: |world| keep_components::<I, T>(world, &[]),
             },
         )
     }
 
-    fn register_state<S: StateOf>(&mut self, name: &'static str) -> &mut Self {
-        register(
-            self,
-            Entry {
-                name,
-                is_component: false,
-                capture: |world| S::take(world).as_ref().map(postcard::to_stdvec).transpose(),
-                check: |world, bytes| Ok(postcard::from_bytes::<S>(bytes)?.check(world).err()),
-                restore: |world, bytes| {
-                    postcard::from_bytes::<S>(bytes)?.put(world);
-                    Ok(())
-                },
-                forget: S::forget,
-            },
-        )
+    fn register_part<T: Serialize + DeserializeOwned + 'static>(
+        &mut self,
+        name: &'static str,
+        take: fn(&mut World) -> Option<T>,
+        put: fn(T, &mut World),
+    ) -> &mut Self {
+        register(self, part(name, take, |_, _| Ok(()), put, |_| {}))
+    }
+
+    fn register_state<S: StateOf + 'static>(&mut self, name: &'static str) -> &mut Self {
+        register(self, part(name, S::take, S::check, S::put, S::forget))
+    }
+}
+
+fn part<T: Serialize + DeserializeOwned + 'static>(
+    name: &'static str,
+    take: fn(&mut World) -> Option<T>,
+    check: fn(&T, &World) -> Result<(), String>,
+    put: fn(T, &mut World),
+    forget: Forget,
+) -> Entry {
+    Entry {
+        name,
+        is_component: false,
+        capture: Arc::new(move |world| take(world).as_ref().map(postcard::to_stdvec).transpose()),
+        check: Arc::new(move |world, bytes| Ok(check(&postcard::from_bytes(bytes)?, world).err())),
+        restore: Arc::new(move |world, bytes| {
+            put(postcard::from_bytes(bytes)?, world);
+            Ok(())
+        }),
+        forget,
     }
 }
 

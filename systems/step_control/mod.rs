@@ -12,15 +12,15 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::Attempt;
-use clastic_components::contact::{BodyTable, ContactTable};
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::step_control::{StepControl, Whole};
-use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use crate::attempt::run_attempts;
 use crate::measures::stress::average_stress;
 use crate::schedule::{Increment, IncrementSystems};
+use crate::solved::Solved;
 use crate::state::RegisterState;
 use control::{Part, part, see};
 
@@ -107,9 +107,7 @@ fn is_committed(world: &World) -> bool {
 
 /// Sum of f (x) l over the contacts (xx, xy, yx, yy), N m: the mean stress times the volume.
 fn moment(world: &World) -> [f64; 4] {
-    let (bodies, contacts) = (world.resource::<BodyTable>(), world.resource::<ContactTable>());
-    let (program, solution) = (world.resource::<ConeProgram>(), world.resource::<ConeSolution>());
-    let [[xx, xy], [yx, yy]] = average_stress(bodies, contacts, program, solution, 1.0, 1.0);
+    let [[xx, xy], [yx, yy]] = average_stress(Solved::of(world), 1.0, 1.0);
     [xx, xy, yx, yy]
 }
 

@@ -4,7 +4,6 @@
 mod external_forces;
 mod move_bodies;
 mod remember_contacts;
-mod touched;
 
 use crate::schedule::{Increment, IncrementSystems, lap};
 use bevy_app::{App, Plugin};
@@ -17,10 +16,12 @@ use clastic_components::increment::{
 };
 use clastic_components::particle::SetAside;
 
+use crate::assemble_program::regularise::loaded_pairs;
+use crate::measures::fragments::fragments;
+
 pub use self::external_forces::external_forces;
 pub use self::move_bodies::move_bodies;
 pub use self::remember_contacts::{remember_contacts, remembered};
-use self::touched::touched;
 
 /// Adds the systems of the update.
 pub struct UpdateStatePlugin;
@@ -54,10 +55,19 @@ pub fn remember_set_aside(
     if !bodies.set_aside.contains(&true) {
         return;
     }
-    let touched = touched(&bodies, &history);
+    // A force from outside acts on the fragment of the particle.
+    let fragments = fragments(&bodies);
+    let mut touched = vec![false; bodies.particles];
+    for (a, b) in loaded_pairs(history.sizes()) {
+        let (a, b) = (fragments[a as usize], fragments.get(b as usize));
+        if b != Some(&a) {
+            touched[a as usize] = true;
+            b.into_iter().for_each(|b| touched[*b as usize] = true);
+        }
+    }
     for i in (0..bodies.particles).filter(|i| bodies.set_aside[*i]) {
         let mut particle = commands.entity(bodies.entities[i]);
-        if analysis.kind == AnalysisKind::Static && !touched[i] {
+        if analysis.kind == AnalysisKind::Static && !touched[fragments[i] as usize] {
             particle.insert(SetAside);
         } else {
             particle.remove::<SetAside>();

@@ -3,20 +3,18 @@
 //! With the theta-method (equations 2 and 3 of the paper) `v = (u/dt - (1 - theta) v_0)/theta`, and
 //! likewise for rotations.
 
-use crate::impacts::paths::paths;
+use crate::impacts::paths::Paths;
+use crate::solved::{Solved, SolvedTables};
 use bevy_ecs::prelude::*;
 use clastic_components::body::{
     BodyAngularVelocity, BodyDrive, BodyId, BodyPosition, BodyRotation, BodyVelocity, LastMotion,
 };
 use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{Impacts, Pushed};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::{GroupRow, RigidGroup};
 use clastic_components::wall::{Wall, WallRotation};
 use clastic_components::wall_shape::WallShape;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 use glam::DVec2;
 
 /// The rigid groups of the world.
@@ -50,14 +48,10 @@ type WallsOfWorld<'w, 's> = Query<
 
 /// Moves particles, walls and rigid groups and updates velocities.
 pub fn move_bodies(
-    bodies: Res<BodyTable>,
+    tables: SolvedTables,
     analysis: Res<ClasticAnalysis>,
-    acceptance: Res<Acceptance>,
     progress: Res<ClasticProgress>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
-    contacts: Res<ContactTable>,
-    findings: (Res<Pushed>, Res<Impacts>),
+    paths: Paths,
     mut particles: Query<
         (
             &BodyId,
@@ -73,14 +67,11 @@ pub fn move_bodies(
     mut groups: GroupsOfWorld,
     cell: Option<ResMut<PeriodicCell>>,
 ) {
+    let solved = tables.get();
+    let bodies = solved.bodies;
     // Displacements that separate rigid overlaps move bodies and give no velocity.
-    let (pushed, impacts) = findings;
-    let paths = || {
-        paths(&bodies, &contacts, &analysis, &acceptance, &progress, &program, &solution, &impacts)
-    };
-    let paths = if pushed.0.is_none() { paths() } else { None };
-    let motion = pushed.0.as_ref().or(paths.as_ref()).unwrap_or(&solution.displacements);
-    let committed = Committed { bodies: &bodies, program: &program, solution: &solution, motion };
+    let motion = &*paths.motion(solved);
+    let committed = Committed { solved, motion };
     let step = match analysis.kind {
         AnalysisKind::Dynamic { dt, theta } => Some(Step { dt: dt * progress.fraction, theta }),
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => None,
@@ -115,8 +106,7 @@ pub fn move_bodies(
         let Some(i) = bodies.row(*id) else { continue };
         write(x, BodyPosition(bodies.positions[i] + DVec2::new(motion[i][0], motion[i][1])), place);
         // A followed motion has turned the members in the table.
-        let first = bodies.groups.iter().find(|row| row.body as usize == i);
-        let member = first.and_then(|row| row.members.first());
+        let member = bodies.group_at(i).and_then(|row| row.members.first());
         if let Some(&member) = member {
             let turned = bodies.rotations[member as usize] + motion[i][2] - group.reference;
             write(rotation, BodyRotation(turned), |rotation| [rotation.0]);
@@ -156,9 +146,7 @@ impl Step {
 
 /// The solution that is committed.
 struct Committed<'a> {
-    bodies: &'a BodyTable,
-    program: &'a ConeProgram,
-    solution: &'a ConeSolution,
+    solved: Solved<'a>,
     /// Displacements of the bodies, in the axes of the program. They may differ from those of the
     /// solution, which give the velocities.
     motion: &'a [[f64; 3]],
@@ -167,13 +155,14 @@ struct Committed<'a> {
 impl Committed<'_> {
     /// Displacement (x, y) and rotation of a body.
     fn moved(&self, i: usize) -> [f64; 3] {
-        self.program.bodies[i].to_global(self.motion[i])
+        self.solved.program.bodies[i].to_global(self.motion[i])
     }
 
     /// Velocity and angular velocity of a particle at the end, from those at the start.
     fn velocity(&self, step: Step, i: usize, v: DVec2, spin: f64) -> (DVec2, f64) {
-        let u = self.program.bodies[i].to_global(self.solution.displacements[i]);
-        let imposed = self.bodies.drives[i].map(|drive| drive != BodyDrive::Free);
+        let Solved { bodies, program, solution, .. } = self.solved;
+        let u = program.bodies[i].to_global(solution.displacements[i]);
+        let imposed = bodies.drives[i].map(|drive| drive != BodyDrive::Free);
         let end =
             DVec2::new(step.velocity(u[0], v.x, imposed[0]), step.velocity(u[1], v.y, imposed[1]));
         (end, step.velocity(u[2], spin, imposed[2]))
@@ -182,15 +171,15 @@ impl Committed<'_> {
     /// Velocity and angular velocity of a member of a rigid group.
     fn velocity_in_group(&self, step: Step, i: usize, group: &GroupRow) -> (DVec2, f64) {
         let row = group.body as usize;
-        let (u, v) = (self.solution.displacements[row], self.bodies.velocities[row]);
-        let is_driven = |k: usize| group.drives[k] != BodyDrive::Free;
-        let turns = step.velocity(u[2], self.bodies.angular_velocities[row], is_driven(2));
-        let moves = [0, 1].map(|k| step.velocity(u[k], v[k], is_driven(k)));
+        let (bodies, u) = (self.solved.bodies, self.solved.solution.displacements[row]);
+        let v = bodies.rates(row);
+        let [x, y, turns] =
+            [0, 1, 2].map(|k| step.velocity(u[k], v[k], group.drives[k] != BodyDrive::Free));
         // Positions may follow another path than the velocities of the program.
-        let lever = self.bodies.lever(group, i);
+        let lever = bodies.lever(group, i);
         let turned = GroupRow::carried([0.0, 0.0, self.motion[row][2]], lever);
         let lever = lever + DVec2::new(turned[0], turned[1]);
-        (DVec2::from(moves) + turns * lever.perp(), turns)
+        (DVec2::new(x, y) + turns * lever.perp(), turns)
     }
 
     /// Turns a wall by an angle, rad.
@@ -202,15 +191,15 @@ impl Committed<'_> {
         mut shape: Option<Mut<WallShape>>,
         mut rotation: Option<Mut<WallRotation>>,
     ) {
-        let row = self.bodies.walls.iter().find(|row| row.body as usize == i);
-        if let Some(row) = row {
+        let bodies = self.solved.bodies;
+        if let Some(row) = bodies.wall(i as u32) {
             // A followed motion may have turned the wall in the table.
             wall.tangent = row.tangent();
             if let Some(shape) = &mut shape {
                 **shape = row.shape;
             }
             if let Some(rotation) = &mut rotation {
-                rotation.0 = self.bodies.rotations[i];
+                rotation.0 = bodies.rotations[i];
             }
         }
         if angle != 0.0 {
@@ -227,13 +216,14 @@ impl Committed<'_> {
 
     /// Deforms the periodic cell and sets its stress, Pa.
     fn deform(&self, cell: &mut PeriodicCell, thickness: f64) {
-        let (Some(start), Some(of)) = (&self.bodies.cell, &self.program.cell) else { return };
+        let Solved { bodies, program, solution, .. } = self.solved;
+        let (Some(start), Some(of)) = (&bodies.cell, &program.cell) else { return };
         let row = of.body as usize;
-        *cell = start.deformed(self.moved(row), self.bodies.mean_radius);
-        let mut rows = vec![[0.0; 3]; self.program.bodies.len()];
-        self.program.add_forces(&self.solution.forces, &mut rows);
-        let resisted = self.program.bodies[row].to_global(rows[row]);
-        let loads = start.loads(self.bodies.mean_radius, thickness);
+        *cell = start.deformed(self.moved(row), bodies.mean_radius);
+        let mut rows = vec![[0.0; 3]; program.bodies.len()];
+        program.add_forces(&solution.forces, &mut rows);
+        let resisted = program.bodies[row].to_global(rows[row]);
+        let loads = start.loads(bodies.mean_radius, thickness);
         cell.stress = [0, 1, 2].map(|k| resisted[k] / loads[k]);
     }
 }

@@ -1,26 +1,22 @@
 //! The forces of contacts with which the next increment starts.
 
 use bevy_ecs::prelude::*;
-use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, DraftHistory};
 use clastic_components::findings::Corrections;
 use clastic_components::increment::ClasticAnalysis;
-use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::Carrying;
+
+use crate::solved::{Solved, SolvedTables};
 
 /// Stores the forces of contacts that persist.
 pub fn remember_contacts(
-    bodies: Res<BodyTable>,
+    tables: SolvedTables,
     analysis: Res<ClasticAnalysis>,
     corrections: Res<Corrections>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
     draft: Res<DraftHistory>,
     mut history: ResMut<ContactHistory>,
 ) {
-    *history =
-        remembered(&bodies, &analysis, &corrections, &contacts, &program, &solution, &draft.0);
+    *history = remembered(tables.get(), &analysis, &corrections, &draft.0);
 }
 
 /// Forces of the persistent contacts after a solution, given those `before` it. An elastic shear
@@ -28,20 +24,17 @@ pub fn remember_contacts(
 /// `q = q_0 + (q_program - q_0)/theta`; likewise an elastic rolling moment.
 #[must_use]
 pub fn remembered(
-    bodies: &BodyTable,
+    solved: Solved,
     analysis: &ClasticAnalysis,
     corrections: &Corrections,
-    contacts: &ContactTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
     before: &ContactHistory,
 ) -> ContactHistory {
+    let Solved { bodies, contacts, program, solution } = solved;
     let theta = analysis.kind.theta();
     let carrying = Carrying::new(program, solution);
     let mut history = ContactHistory(Vec::with_capacity(contacts.0.len()));
     let is_known = |body: u32| !program.bodies[body as usize].is_free();
-    let forces = program.interactions.iter().zip(&solution.forces);
-    for (k, (contact, (c, f))) in contacts.0.iter().zip(forces).enumerate() {
+    for (k, (contact, c, f)) in solved.contacts().enumerate() {
         // The force between two rigid bodies with known motion is not unique. It may be large, and
         // as a scale it would hide the errors of other forces.
         if c.normal_compliance == 0.0 && is_known(c.a) && is_known(c.b) {

@@ -1,11 +1,11 @@
 //! Elastic constants of a bonded triangular lattice under an affine displacement of its boundary.
 
 use crate::common::*;
-use clastic::components::contact::{BodyTable, ContactTable};
-use clastic::cone::program::{ConeProgram, ConeSolution};
+use clastic::components::contact::ContactTable;
 use clastic::run::Simulation;
 use clastic::scene::format::{Scene, Specimen};
 use clastic::systems::measures::stress::average_stress;
+use clastic::systems::solved::Solved;
 use glam::DVec2;
 
 /// E and nu of the lattice (thickness 1 m).
@@ -54,14 +54,7 @@ fn stress(scene: &Scene, columns: u32, gradient: [[f64; 2]; 2]) -> [[f64; 2]; 2]
     let contacts = world.resource::<ContactTable>();
     assert_eq!(contacts.0.len(), 3 * per_direction as usize);
     let cell = 2.0 * 3.0_f64.sqrt() * 25e-6;
-    average_stress(
-        world.resource::<BodyTable>(),
-        contacts,
-        world.resource::<ConeProgram>(),
-        world.resource::<ConeSolution>(),
-        per_direction * cell,
-        1.0,
-    )
+    average_stress(Solved::of(world), per_direction * cell, 1.0)
 }
 
 #[test]

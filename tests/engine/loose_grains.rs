@@ -6,10 +6,10 @@ use clastic::components::attempt::Attempt;
 use clastic::components::contact_history::ContactHistory;
 use clastic::components::findings::AddedPairs;
 use clastic::components::particle::SetAside;
-use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::prelude::*;
 use clastic::run::stages::Script;
 use clastic::systems::schedule::{AttemptIncrement, AttemptSystems};
+use clastic::systems::solved::SolvedTables;
 use clastic::systems::turns::furthest;
 
 use crate::common::{self, parse, step};
@@ -26,25 +26,22 @@ struct Throws {
 
 /// After the judges: neither such a solution nor the beginning of a motion leaves more pairs.
 fn watch_throws(
-    bodies: Res<BodyTable>,
-    contacts: Res<ContactTable>,
-    program: Res<ConeProgram>,
-    solution: Res<ConeSolution>,
+    tables: SolvedTables,
     pairs: Res<AddedPairs>,
     attempt: Res<Attempt>,
     mut throws: ResMut<Throws>,
 ) {
     let before = std::mem::replace(&mut throws.added, pairs.0.len());
-    let far =
-        furthest(&bodies, &contacts, &program, &solution, false).map_or(0.0, |(_, turn)| turn);
+    let solved = tables.get();
+    let far = furthest(solved, false).map_or(0.0, |(_, turn)| turn);
     // The mechanism of a collapse shows pairs near by.
-    if attempt.effort().is_some() && solution.certificate.is_none() && far > 5.0 {
+    if attempt.effort().is_some() && solved.solution.certificate.is_none() && far > 5.0 {
         throws.seen += 1;
         assert!(pairs.0.len() <= before, "a turn by {far} rad adds {} pairs", pairs.0.len());
     }
     // Pairs of the step itself are within its reach.
     if attempt.motion().is_some() {
-        assert!(pairs.0.len() < bodies.particles / 4, "{} pairs in a motion", pairs.0.len());
+        assert!(pairs.0.len() < solved.bodies.particles / 4, "{} pairs in a motion", pairs.0.len());
     }
 }
 

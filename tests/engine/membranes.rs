@@ -10,6 +10,7 @@ use clastic::prelude::*;
 use clastic::run::Outcome;
 use clastic::systems::measures::stress::average_stress;
 use clastic::systems::membranes::find_shape;
+use clastic::systems::solved::Solved;
 use glam::DVec2;
 
 use crate::common::{assert_relative, load_with_specimen, next, stage};
@@ -72,8 +73,7 @@ fn resultant(world: &World) -> DVec2 {
 }
 
 fn mean_stress(world: &World, area: f64) -> [[f64; 2]; 2] {
-    let (bodies, contacts) = (world.resource::<BodyTable>(), world.resource::<ContactTable>());
-    average_stress(bodies, contacts, world.resource(), world.resource(), area, THICKNESS)
+    average_stress(Solved::of(world), area, THICKNESS)
 }
 
 /// Places of a triangular lattice in rows from y = radius on.

@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::bond::RuptureMode;
-use clastic::components::contact::{BodyTable, ContactTable};
+use clastic::components::contact::BodyTable;
 use clastic::components::increment::{Acceptance, RollingLimit, RuptureRules};
 use clastic::components::observation::Observation;
 use clastic::cone::program::{ConeProgram, ConeSolution};
@@ -15,6 +15,7 @@ use clastic::cone::residuals::force_scale;
 use clastic::run::{Outcome, Simulation, Step};
 use clastic::scene::format::{CompactTarget, Load, Motion, Stage, WallControl};
 use clastic::systems::measures::stress::average_stress;
+use clastic::systems::solved::Solved;
 
 /// The small disks' normals turn by less than 1e-4 while the middle one moves: the error of an
 /// answer for small displacements.
@@ -224,14 +225,7 @@ fn walls_carry_their_stress_exactly_and_the_specimen_carries_that_of_the_walls()
                 checked += 1;
             }
             let world = simulation.world();
-            let average = average_stress(
-                world.resource::<BodyTable>(),
-                world.resource::<ContactTable>(),
-                world.resource::<ConeProgram>(),
-                world.resource::<ConeSolution>(),
-                size[0] * size[1],
-                1.0,
-            );
+            let average = average_stress(Solved::of(world), size[0] * size[1], 1.0);
             // The average stress of bodies with out-of-balance forces r is off by the sum of r x
             // over the area. Round-off alone is some 1e-14 of the maximum force.
             let forces = &world.resource::<ConeSolution>().forces;

@@ -7,6 +7,7 @@ use clastic::cone::program::ConeSolution;
 use clastic::run::Simulation;
 use clastic::scene::format::Scene;
 use clastic::systems::measures::stress::average_stress;
+use clastic::systems::solved::Solved;
 use glam::DVec2;
 
 /// Calls `check` with every solved increment under load: the record, the simulation, and width and
@@ -57,8 +58,7 @@ fn walls_and_contacts_give_one_stress_tensor_in_a_frictional_cell() {
             world.resource::<ContactTable>(),
             world.resource::<ConeSolution>(),
         );
-        let average =
-            average_stress(bodies, contacts, world.resource(), solution, width * height, 1.0);
+        let average = average_stress(Solved::of(world), width * height, 1.0);
         // Forces on the walls times the places on the walls where they act, at the start of the
         // increment: forces on the grains have the opposite sign, as has stress.
         let mut outside = [[0.0; 2]; 2];

@@ -1,31 +1,53 @@
-//! Tells an app that asks for it which bodies have met, once the increment stays.
+//! Tells the app which bonds have broken, and which bodies have met if it asks for that, once the
+//! increment stays.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
+use clastic_components::bond::{BondBroken, Rupture};
 use clastic_components::collision::{BodyHit, Collision};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::ClasticProgress;
+use clastic_components::observation::Observation;
 
-use serde::{Deserialize, Serialize};
-
+use crate::identities::IdentityTable;
 use crate::state::{RegisterState, StateOf};
 use crate::stepping::{AdvanceIncrement, AdvanceSystems};
 
-/// Adds [`announce_collisions`]. It costs nothing in an app that has not added the message.
-pub struct AnnounceCollisionsPlugin;
+/// Adds [`announce_ruptures`], and [`announce_collisions`], which costs nothing in an app that has not
+/// added the message.
+pub struct AnnouncePlugin;
 
-impl Plugin for AnnounceCollisionsPlugin {
+impl Plugin for AnnouncePlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<TouchingPairs>().register_state::<TouchingPairs>("touching");
-        app.add_systems(
+        // Bevy keeps messages until the second update, with `FixedUpdate` that of a whole frame,
+        // however many increments were made between them.
+        app.add_message::<Rupture>().add_systems(
             AdvanceIncrement,
-            announce_collisions
-                .run_if(resource_exists::<Messages<Collision>>)
+            (announce_ruptures, announce_collisions.run_if(resource_exists::<Messages<Collision>>))
+                .chain()
                 .in_set(AdvanceSystems::Announce),
         );
+    }
+}
+
+/// Writes a [`Rupture`] message and triggers [`BondBroken`] for every rupture of the increment.
+pub fn announce_ruptures(
+    record: Res<Observation>,
+    identities: Res<IdentityTable>,
+    mut messages: MessageWriter<Rupture>,
+    mut commands: Commands,
+) {
+    for rupture in &record.ruptures {
+        messages.write(*rupture);
+        let entities = [rupture.a, rupture.b].map(|id| identities.body(id));
+        if let (Some(bond), [Some(a), Some(b)]) = (identities.bond(rupture.bond), entities) {
+            commands.trigger(BondBroken { bond, bodies: [a, b], rupture: *rupture });
+        }
     }
 }
 
