@@ -299,7 +299,8 @@ mod tests {
             stop,
             ..StageEnd::default()
         });
-        let script = Script { ends: ends.collect(), ..Script::new(&loaded.scene) };
+        let mut script = Script::new(&loaded.scene);
+        script.ends = ends.collect();
         let mut record = RunRecord::new(&loaded, &RunFacts::new(&loaded, &[]).unwrap());
         record.results = results.clone();
         let ending = Ending::Finished(Outcome::Completed);
