@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
-use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition};
+use clastic_components::body::{BodyId, BodyPosition};
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::membrane::{Course, Membrane};
@@ -14,6 +13,7 @@ use clastic_systems::control_walls::loaded_length;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::membranes::{find_shape, renew_shapes};
 
+use super::wall_controls::reaction;
 use super::walls::{find_pair, find_walls, length_between};
 use crate::scene::format as scene;
 
@@ -88,17 +88,9 @@ fn stress_of(world: &mut World, names: &[String], between: Option<&(String, Stri
     let mut geometry = world.query::<(&Wall, &BodyPosition)>();
     let (world, geometry) = (&*world, geometry.query(world));
     let thickness = world.resource::<ClasticAnalysis>().thickness;
-    let stress = |wall: &Entity| {
-        if let Some(WallControl::Stress { to, .. }) = world.get::<WallControl>(*wall) {
-            return *to;
-        }
-        match (world.get::<Wall>(*wall), world.get::<BodyExternalForce>(*wall)) {
-            (Some(of), Some(force)) => {
-                let force = DVec2::new(force.0[0], force.0[1]).dot(of.inward());
-                force / (loaded_length(*wall, length, &geometry) * thickness)
-            }
-            _ => 0.0,
-        }
+    let stress = |wall: &Entity| match world.get::<WallControl>(*wall) {
+        Some(WallControl::Stress { to, .. }) => *to,
+        _ => reaction(world, *wall) / (loaded_length(*wall, length, &geometry) * thickness),
     };
     (walls.iter().map(stress).sum::<f64>() / walls.len() as f64).max(0.0)
 }

@@ -125,7 +125,7 @@ fn stress_length(world: &mut World, wall: Entity, control: Option<&Wanted>) -> (
 /// starts from this value. A wall that turned has forces along the normals at the start of its last
 /// increment, along which its contacts carried; along its present normal the friction would have a
 /// part in proportion to the angle.
-fn reaction(world: &World, wall: Entity) -> f64 {
+pub fn reaction(world: &World, wall: Entity) -> f64 {
     let (Some(wall), Some(force), Some(motion)) = (
         world.get::<Wall>(wall),
         world.get::<BodyExternalForce>(wall),

@@ -131,7 +131,8 @@ pub fn solve_program(
     let is_sliding = sliding::law_of(&law, &analysis, &attempt, &finding).is_some();
     let mut solve = |program: &ConeProgram| {
         // `solve_sliding` needs no associated solution after sweeps.
-        let start = is_sliding.then(|| Coulomb::sweep(program, solver.0.memory())).flatten();
+        let aim = sliding::MARGIN * acceptance.residual.max(tolerance);
+        let start = is_sliding.then(|| Coulomb::sweep(program, solver.0.memory(), aim)).flatten();
         start.map_or_else(|| solver.0.solve(program, tolerance), Ok)
     };
     *solution = match check(&program).and_then(|()| solve(&program)) {

@@ -21,7 +21,7 @@ const MAX_FAILURES: u32 = 4;
 const QUICK: u32 = 40;
 
 /// Safety factor: the solver aims at 0.9 times the tolerance.
-const MARGIN: f64 = 0.9;
+pub const MARGIN: f64 = 0.9;
 
 /// The solver of the world, with its memory between increments.
 #[derive(Resource, Default)]

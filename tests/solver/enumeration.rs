@@ -219,7 +219,7 @@ pub fn coulomb(program: &ConeProgram) -> Option<ConeSolution> {
         let start = Condensed::default().solve(program, 0.0).ok()?;
         (start.status == SolveStatus::Solved).then_some(start)
     };
-    let start = Coulomb::sweep(program, &[]).or_else(associated)?;
+    let start = Coulomb::sweep(program, &[], 0.9e-8).or_else(associated)?;
     let found = Coulomb::default().solve(program, &start, Goal::exact(0.9e-8), 500);
     (found.status == SolveStatus::Solved).then_some(found)
 }
@@ -231,7 +231,7 @@ fn the_first_point_within_the_tolerance_takes_fewer_factorisations() {
     let (mut at_once, mut sharp) = (0, 0);
     for seed in 0..60 {
         let program = random(seed, true);
-        let Some(start) = Coulomb::sweep(&program, &[]) else { continue };
+        let Some(start) = Coulomb::sweep(&program, &[], 0.9e-8) else { continue };
         let solve = |goal| Coulomb::default().solve(&program, &start, goal, 500);
         let [first, last] = [Goal::enough(0.9e-8), Goal::exact(0.9e-8)].map(solve);
         assert_eq!(first.status, last.status, "seed {seed}");

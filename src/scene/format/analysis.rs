@@ -68,7 +68,7 @@ fn coulomb_factorisations() -> u32 {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Solver {
-    /// The engine's own condensed solver, with Clarabel as its last resort.
+    /// The engine's own solver.
     #[default]
     Condensed,
     /// The interior-point solver Clarabel.

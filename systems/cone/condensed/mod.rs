@@ -4,8 +4,8 @@
 //! A solve goes through these steps:
 //!
 //! 1. Bodies at rest keep their forces and are left out (`sleeping`, `reduced`).
-//! 2. A dynamic program that may end with the first point within the tolerance has a warm start:
-//!    sweeps from the last forces, then the interior point (`warm`, `sweeps`).
+//! 2. A dynamic program that may end with the first point within the tolerance is swept from the last
+//!    forces (`sweeps`); where that is not enough, the interior point starts there.
 //! 3. A program in which every force has a compliance goes to a Newton iteration from the last
 //!    displacements (`newton`, `local`): near a solution it takes two factorisations.
 //! 4. The [`interior`] point decides all else: solved, collapsed with its mechanism, locked with
@@ -31,13 +31,13 @@ pub mod settings;
 pub mod sleeping;
 mod spring;
 pub mod sweeps;
-pub mod warm;
 
-use crate::program::{ConeProgram, ConeSolution, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
 use self::matrix::{Cholesky, Kept};
 use self::posed::{Demand, Posed};
 use self::reduced::Reduced;
+use self::scaled::forces_in_units;
 pub use self::settings::CondensedSettings;
 use super::residuals::choose_displacements;
 use super::solver::{ConeSolver, MalformedProgram};
@@ -177,16 +177,29 @@ impl Condensed {
     ) -> ConeSolution {
         let mut iterations = 0;
         let demand = Demand::of(program, tolerance, &self.settings);
-        if demand.at_once
-            && let Some(solution) = self.try_warm(program, demand, &mut iterations)
-        {
-            return solution;
+        // Without momentum the last forces do not belong to a continuing motion.
+        let continues = !program.last_forces.is_empty() && program.has_momentum();
+        let swept = if demand.at_once && continues {
+            sweeps::sweep(program, SlidingLaw::Associated, demand.tolerance)
+        } else {
+            None
+        };
+        if let Some(solution) = swept.as_ref().filter(|s| s.status == SolveStatus::Solved) {
+            return solution.clone();
         }
         let Some(matrix) = self.matrix.of(program) else {
             let message = "no order of elimination was found".to_owned();
             return ConeSolution { message, ..ConeSolution::default() };
         };
         let mut posed = Posed::new(program, &self.settings, matrix, demand);
+        if let Some(swept) = swept {
+            let start = posed.in_units(&swept.displacements);
+            let forces = forces_in_units(program, &swept.forces);
+            let solution = posed.interior(&start, Some(&forces), &mut iterations);
+            if solution.status == SolveStatus::Solved {
+                return solution;
+            }
+        }
         let (mut start, mut forces) = (posed.in_units(start), None);
         if newton::applies(&posed.scaled) {
             let (result, solution) = posed.newton(&start, &mut iterations);
@@ -196,14 +209,27 @@ impl Condensed {
             // The point where the iteration gave up is mostly a better start than the last
             // solution.
             start = result.u;
-        } else if warm::is_elastic_step(program, demand) {
+        } else if is_elastic_step(program, demand) {
             // The last step of the motion has moved the bodies to their present places: its forces
             // belong to a displacement of zero.
             start.fill([0.0; 3]);
-            forces = Some(warm::last_forces(program));
+            forces = Some(forces_in_units(program, &program.last_forces));
         }
         posed.interior(&start, forces.as_deref(), &mut iterations)
     }
+}
+
+/// Whether a program is an elastic step of a followed motion: static, with a weight on every degree
+/// of freedom and a loose tolerance. The last forces are those after the preceding step.
+/// Elastic interactions carry them at zero displacement, so that only the balance is violated
+/// there. Forces of rigid interactions need not be unique.
+fn is_elastic_step(program: &ConeProgram, demand: Demand) -> bool {
+    let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
+    demand.loose
+        && !program.last_forces.is_empty()
+        && !program.is_dynamic()
+        && program.is_damped()
+        && is_elastic()
 }
 
 /// The solution with these forces, in units of the program's scales, and displacements, m and rad.

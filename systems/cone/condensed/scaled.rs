@@ -191,6 +191,14 @@ pub struct Scaled {
     pub images: Images,
 }
 
+/// Forces, N and N m, in units of the scales; 0 for the interactions without one.
+pub fn forces_in_units(program: &ConeProgram, forces: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    let (_, df) = program.scales.units();
+    let mut out: Vec<_> = forces.iter().map(|s| [0, 1, 2].map(|f| s[f] / df[f])).collect();
+    out.resize(program.interactions.len(), [0.0; 3]);
+    out
+}
+
 impl Scaled {
     /// Scales a program. Its bodies come in this `order`: here, body k is `order[k]` of the
     /// program.

@@ -66,30 +66,24 @@ impl Coulomb {
         Self { settings, ..Self::default() }
     }
 
-    /// The start of a time step in which grains slide: the forces after sweeps of Coulomb's law from
-    /// the last forces, and the displacements that follow from them.
+    /// A time step in which grains slide after [sweeps](sweeps::sweep) of Coulomb's law from the last
+    /// forces.
     ///
-    /// `None` where sweeps do not apply (a degree of freedom without a weight, strength, a cell),
-    /// where bodies sleep, which the associated solver leaves out, and where nothing slides: both
-    /// laws then have the same solution, and the associated one is the more exact. `moved` are the
-    /// displacements of the last solution, m and rad.
+    /// `None` where sweeps do not apply, where bodies sleep, which the associated solver leaves out,
+    /// and where nothing slides: both laws then have the same solution, and the associated one is the
+    /// more exact. `moved` are the displacements of the last solution, m and rad.
     #[must_use]
-    pub fn sweep(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<ConeSolution> {
-        let applies = program.is_dynamic()
-            && sweeps::applies(program)
-            && sleeping::find(program, moved).is_none();
-        if !applies {
+    pub fn sweep(
+        program: &ConeProgram,
+        moved: &[[f64; 3]],
+        tolerance: f64,
+    ) -> Option<ConeSolution> {
+        if !program.is_dynamic() || sleeping::find(program, moved).is_some() {
             return None;
         }
-        let law = SlidingLaw::Coulomb;
-        let (s, _) = sweeps::sweep(program, law);
-        let (_, df) = program.scales.units();
-        let forces: Vec<_> = s.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
-        let mut closed = program.interactions.iter().zip(&forces).filter(|(_, f)| f[0] > 0.0);
+        let start = sweeps::sweep(program, SlidingLaw::Coulomb, tolerance)?;
+        let mut closed = program.interactions.iter().zip(&start.forces).filter(|(_, f)| f[0] > 0.0);
         let slides = closed.any(|(c, f)| c.limits.slides(f) || c.limits.rolls(f));
-        let displacements = program.imposed();
-        let mut start = ConeSolution { law, forces, displacements, ..ConeSolution::default() };
-        program.displacements_from_forces(&mut start);
         slides.then_some(start)
     }
 
