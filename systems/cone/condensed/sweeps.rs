@@ -13,8 +13,9 @@
 //! limits of that p. A sweep takes contact after contact to its own solution in the metric of its
 //! diagonal D, there and back (projected symmetric Gauss-Seidel; Jourdan, Alart and Jean 1998).
 //! Sweeps are accelerated (Nesterov 1983), with a restart where a sweep goes back against the last
-//! step (O'Donoghue and Candes 2015). They go on, in rounds, while each round halves the residual: a
-//! step of 2000 disks takes as long as sixty sweeps for every factorisation.
+//! step (O'Donoghue and Candes 2015). Forty of them cost as much as four symmetric factorisations and
+//! as one of Coulomb's law, of which a time step takes ten and more: under Coulomb's law sweeps go on
+//! while forty of them halve the residual.
 
 use super::scaled::{Arms, Local, Scaled, first, forces_in_units};
 use crate::program::{ConeProgram, ConeSolution, Interaction, SlidingLaw, SolveStatus};
@@ -103,7 +104,8 @@ impl<const F: usize> Sweeps<F> {
         Self { law, contacts, y: s.clone(), v: u.clone(), s, u, t: 1.0 }
     }
 
-    /// Sweeps until the residual is within the tolerance, or a round has not halved it.
+    /// Sweeps until the residual is within the tolerance, for one round under the associated law,
+    /// under Coulomb's law for as many as halve the residual.
     fn converge(mut self, program: &ConeProgram, tolerance: f64) -> ConeSolution {
         let mut last = self.solution(program, tolerance);
         let mut max_momentum = 1.0;
@@ -113,7 +115,7 @@ impl<const F: usize> Sweeps<F> {
             let next = self.solution(program, tolerance);
             let halved = next.residuals.worst() <= 0.5 * last.residuals.worst();
             last = next;
-            if !halved {
+            if !halved || self.law == SlidingLaw::Associated {
                 break;
             }
         }
