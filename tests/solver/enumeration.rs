@@ -245,6 +245,26 @@ fn the_first_point_within_the_tolerance_takes_fewer_factorisations() {
     assert!(10 * at_once <= 9 * sharp, "{at_once} and {sharp}");
 }
 
+/// Sweeps of Coulomb's law alone solve most time steps of few disks, and say so truly.
+#[test]
+fn sweeps_alone_solve_time_steps_of_few_disks() {
+    let (mut solved, mut all) = (0, 0);
+    for tolerance in [1e-3, 1e-8] {
+        for seed in 0..60 {
+            let program = random(seed, true);
+            let Some(found) = Coulomb::sweep(&program, &[], tolerance) else { continue };
+            all += 1;
+            if found.status == SolveStatus::Solved {
+                solved += 1;
+                let r = residuals(&program, &found).worst();
+                assert!(r <= tolerance, "seed {seed}: {r:e}");
+            }
+        }
+    }
+    println!("{solved} of {all} programs are solved by sweeps alone");
+    assert!(2 * solved > all, "{solved} of {all}");
+}
+
 /// Random numbers of one program.
 pub struct Random(pub ChaCha8Rng);
 
