@@ -104,10 +104,13 @@ impl<const F: usize> Sweeps<F> {
         Self { law, contacts, y: s.clone(), v: u.clone(), s, u, t: 1.0 }
     }
 
-    /// Sweeps until the residual is within the tolerance, for one round under the associated law,
-    /// under Coulomb's law for as many as halve the residual.
+    /// Sweeps until the residual is within the tolerance, under Coulomb's law while rounds halve it,
+    /// under the associated law for one round.
     fn converge(mut self, program: &ConeProgram, tolerance: f64) -> ConeSolution {
-        let mut last = self.solution(program, tolerance);
+        let mut last = match self.law {
+            SlidingLaw::Coulomb => self.solution(program, tolerance),
+            SlidingLaw::Associated => ConeSolution::default(),
+        };
         let mut max_momentum = 1.0;
         while last.status != SolveStatus::Solved {
             self.round(max_momentum);
@@ -115,7 +118,7 @@ impl<const F: usize> Sweeps<F> {
             let next = self.solution(program, tolerance);
             let halved = next.residuals.worst() <= 0.5 * last.residuals.worst();
             last = next;
-            if !halved || self.law == SlidingLaw::Associated {
+            if !halved {
                 break;
             }
         }
