@@ -137,7 +137,7 @@ impl BodyTable {
     /// The rigid group in a row; `None` for another body.
     #[must_use]
     pub fn group_at(&self, row: usize) -> Option<&GroupRow> {
-        self.groups.iter().find(|group| group.body as usize == row)
+        self.groups.get(row.checked_sub(self.first_group())?)
     }
 
     /// Velocity (x, y; m/s) and angular velocity (rad/s) at the start of the trial.

@@ -23,6 +23,7 @@ use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleT
 use clastic_components::attempt::Attempt;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
+use clastic_components::loads::TrialLoads;
 use clastic_components::observation::Timings;
 
 use crate::state::RegisterState;
@@ -186,6 +187,8 @@ impl Plugin for SchedulePlugin {
             schedule.configure_sets((ControlSystems::BuiltIn, ControlSystems::Custom).chain());
         });
         edit_chain(app, AddTrialLoads, |_| {});
+        // Systems that only add to the loads may run in any order: their sums do not depend on it.
+        app.init_resource::<TrialLoads>().allow_ambiguous_resource::<TrialLoads>();
     }
 }
 

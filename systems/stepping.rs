@@ -52,6 +52,12 @@ pub enum AdvanceSystems {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct IncrementDue(pub bool);
 
+impl Default for IncrementDue {
+    fn default() -> Self {
+        Self(true)
+    }
+}
+
 /// Whether the increment has been undone. [`advance`] then runs [`AdvanceIncrement`] again.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
@@ -169,7 +175,7 @@ impl Plugin for SteppingPlugin {
             );
             advance.add_systems(increment.in_set(AdvanceSystems::Increment));
         });
-        app.insert_resource(IncrementDue(true))
+        app.init_resource::<IncrementDue>()
             .init_resource::<IncrementCommitted>()
             .init_resource::<IncrementUndone>()
             .init_resource::<ClasticRunning>()

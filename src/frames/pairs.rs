@@ -67,8 +67,7 @@ pub(crate) fn contact(bodies: &BodyTable, (a, b): (BodyId, BodyId)) -> Option<Co
     if (b as usize) < bodies.particles {
         return Some(pair_contact(bodies, a, b));
     }
-    let wall = bodies.walls.iter().find(|wall| wall.body == b)?;
-    Some(wall_contact(bodies, a, wall))
+    Some(wall_contact(bodies, a, bodies.wall(b)?))
 }
 
 /// The pairs by column.

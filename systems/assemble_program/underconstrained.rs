@@ -162,8 +162,8 @@ fn hold_cluster(
                 continue;
             }
             // A wall that is no line may be pushed along its axis by friction as well.
-            let mut hold = |along_b: DVec2, [arm_a, arm_b]: [f64; 2]| {
-                let (direction, arm) = if first { (along_b, arm_a) } else { (-along_b, arm_b) };
+            let mut hold = |axis: DVec2, [arm_a, arm_b]: [f64; 2]| {
+                let (direction, arm) = if first { (axis, arm_a) } else { (-axis, arm_b) };
                 let mut row = vec![0.0; unknowns];
                 row[..3].copy_from_slice(&along(direction));
                 row[2] += arm / extent;

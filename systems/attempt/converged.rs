@@ -61,7 +61,7 @@ pub fn judge(
             )),
         },
         SolveStatus::Locked => Verdict::Locked,
-        SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution, &acceptance) => {
+        SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution) => {
             if is_static && too_far(solved, &acceptance).is_some() {
                 // A grain that lacks support does not find it where the centre goes.
                 Verdict::Sound
@@ -70,11 +70,11 @@ pub fn judge(
                 centre.place.clone_from(&solution.displacements);
                 Verdict::Again
             } else {
-                let verdict = Verdict::Unconverged(complaint(&attempt.best, &acceptance));
+                let verdict = Verdict::Unconverged(complaint(&attempt.best, solution.tolerance));
                 impossible_or(&program, solution, verdict)
             }
         }
-        SolveStatus::Stalled => Verdict::Unconverged(complaint(&attempt.best, &acceptance)),
+        SolveStatus::Stalled => Verdict::Unconverged(complaint(&attempt.best, solution.tolerance)),
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
     let in_pass = fails && corrections.passes > 0;
@@ -135,10 +135,10 @@ fn recheck(program: &ConeProgram, solution: &ConeSolution) -> Option<Certificate
 }
 
 /// Whether a solution converged except for the force of the regularisation in the balance.
-fn is_biased(program: &ConeProgram, solution: &ConeSolution, acceptance: &Acceptance) -> bool {
+fn is_biased(program: &ConeProgram, solution: &ConeSolution) -> bool {
     let sound = solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len();
-    sound && regularised_residuals(program, solution).worst() <= acceptance.residual
+    sound && regularised_residuals(program, solution).worst() <= solution.tolerance
 }
 
 /// Keeps the residuals of the solution with the smallest error in the increment. Regularised
@@ -179,12 +179,12 @@ fn magnitudes(program: &ConeProgram, solution: &ConeSolution) -> Option<(f64, f6
     (moves && u.is_finite() && f.is_finite() && f > 0.0).then_some((u, f))
 }
 
-fn complaint(best: &Option<Unconverged>, acceptance: &Acceptance) -> String {
+fn complaint(best: &Option<Unconverged>, tolerance: f64) -> String {
     let Some(best) = best else { return "no solution was found".to_owned() };
     let (r, place, message) = (best.residuals, &best.place, &best.message);
     format!(
         "no solution was found; residuals of the best one: balance {:.1e}, kinematics {:.1e}, cone \
          {:.1e}, complementarity {:.1e}{place}; tolerance {:.0e} (the solver: \"{message}\")",
-        r.balance, r.kinematics, r.cone, r.complementarity, acceptance.residual
+        r.balance, r.kinematics, r.cone, r.complementarity, tolerance
     )
 }

@@ -33,7 +33,6 @@ use clastic_components::findings::{
 use clastic_components::increment::{
     Acceptance, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
 };
-use clastic_components::loads::TrialLoads;
 use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
@@ -51,10 +50,7 @@ pub struct AttemptPlugin;
 
 impl Plugin for AttemptPlugin {
     fn build(&self, app: &mut App) {
-        // Systems that only add to the loads may run in any order: their sums do not depend on it.
-        app.allow_ambiguous_resource::<TrialLoads>();
         app.init_resource::<Attempt>()
-            .init_resource::<TrialLoads>()
             .init_resource::<MotionSettings>()
             .init_resource::<AddedPairs>()
             .init_resource::<Ruptures>()

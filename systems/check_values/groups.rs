@@ -23,7 +23,7 @@ pub(super) fn bad(
 
 fn of(bodies: &BodyTable, kind: AnalysisKind, id: BodyId, group: &RigidGroup) -> Option<Bad> {
     let row = bodies.row(id)?;
-    let own = bodies.groups.iter().find(|group| group.body as usize == row)?;
+    let own = bodies.group_at(row)?;
     let unknown = || {
         let known = |id: BodyId| bodies.row(id).is_some_and(|row| row < bodies.first_group());
         let member = group.members.iter().find(|member| !known(**member))?;

@@ -45,6 +45,8 @@ pub(super) fn misfit(archetypes: &Archetypes, components: &Components) -> Option
         BondState
     ];
     let kinds = named![Particle, Wall, RigidGroup, Bond];
+    // What an entity of a kind may have and need not.
+    let choices = named![ContactForce];
     let choices_of_walls = named![WallSlide, WallTable];
     kinds.into_iter().find_map(|(kind_name, kind)| {
         let kind = kind?;
@@ -53,7 +55,8 @@ pub(super) fn misfit(archetypes: &Archetypes, components: &Components) -> Option
         of_kind.find_map(|archetype| {
             let misfit = parts.iter().find_map(|part @ (name, id)| {
                 let id = (*id)?;
-                let is_choice = kind_name == "Wall" && choices_of_walls.contains(part);
+                let is_choice = kind_name != "Bond" && choices.contains(part)
+                    || kind_name == "Wall" && choices_of_walls.contains(part);
                 match (needed.contains(&id), archetype.contains(id)) {
                     (true, false) => {
                         let wanted = "one, which its kind of entity needs";

@@ -52,7 +52,8 @@ fn analysis(analysis: &ClasticAnalysis) -> Option<Bad> {
 }
 
 fn acceptance(acceptance: &Acceptance) -> Option<Bad> {
-    outside("residual", acceptance.residual, RESIDUAL)
+    let residual = acceptance.residual.and_then(|r| outside("residual", r, RESIDUAL));
+    residual
         .or_else(|| outside("turn", acceptance.turn, TURN))
         .or_else(|| outside("motion_step", acceptance.motion_step, MOTION_STEP))
         .or_else(|| outside("overlap", acceptance.overlap, PART))

@@ -75,7 +75,7 @@ pub struct ConeSolution {
     pub status: SolveStatus,
     /// The law that the forces and displacements solve.
     pub law: SlidingLaw,
-    /// Maximum residual that was asked for; 0 where the solver uses its own default.
+    /// Maximum residual with which it counts as a solution.
     pub tolerance: f64,
     /// The solver's own words about how it ended.
     pub message: String,

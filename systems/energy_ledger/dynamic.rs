@@ -8,7 +8,7 @@ use clastic_components::energy::Energies;
 use clastic_components::rigid_group::GroupRow;
 use clastic_cone::program::ConeProgram;
 
-use super::Moved;
+use super::BookedBody;
 use super::interactions::{Part, Tables};
 use crate::solved::Solved;
 
@@ -20,12 +20,12 @@ pub fn book_bodies(
     tables: &Tables,
     dt: f64,
     theta: f64,
-    moved: &[Moved],
+    moved: &[BookedBody],
 ) -> Vec<[f64; 3]> {
     let Solved { bodies, program, solution, .. } = tables.solved;
     let analysis = tables.laws.analysis;
     let mut mean = solution.displacements.clone();
-    for &Moved { row: i, force, rates, .. } in moved {
+    for &BookedBody { row: i, force, rates, .. } in moved {
         if i >= bodies.particles && bodies.group(i).is_some() {
             // The forces on a wall of a group act on the group.
             continue;

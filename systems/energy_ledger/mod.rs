@@ -109,7 +109,7 @@ fn renumber_released(rows: Res<KeptRows>, mut ledger: ResMut<EnergyLedger>) {
 }
 
 /// A body after the increment.
-struct Moved {
+struct BookedBody {
     row: usize,
     /// m.
     place: DVec2,
@@ -121,7 +121,7 @@ struct Moved {
 
 /// What the increment followed from, and what it left.
 #[derive(SystemParam)]
-pub struct Committed<'w> {
+pub struct BookedIncrement<'w> {
     tables: SolvedTables<'w>,
     materials: Res<'w, Materials>,
     analysis: Res<'w, ClasticAnalysis>,
@@ -137,7 +137,7 @@ pub struct Committed<'w> {
 
 /// Books the increment that was just committed.
 pub fn book_energies(
-    committed: Committed,
+    committed: BookedIncrement,
     after: Query<(
         &BodyId,
         &BodyPosition,
@@ -147,7 +147,7 @@ pub fn book_energies(
     )>,
     mut ledger: ResMut<EnergyLedger>,
 ) {
-    let Committed { materials, analysis, progress, ruptures, motion, .. } = &committed;
+    let BookedIncrement { materials, analysis, progress, ruptures, motion, .. } = &committed;
     let solved = committed.tables.get();
     let Solved { bodies, contacts, program, solution } = solved;
     if matches!(analysis.kind, AnalysisKind::Compaction { .. }) {
@@ -160,9 +160,9 @@ pub fn book_energies(
     let row = |(id, x, force, v, spin): (&BodyId, &BodyPosition, &BodyExternalForce, _, _)| {
         let rates = |(v, spin): (&BodyVelocity, &BodyAngularVelocity)| [v.0.x, v.0.y, spin.0];
         let rates = Option::zip(v, spin).map(rates);
-        Some(Moved { row: bodies.row(*id)?, place: x.0, force: force.0, rates })
+        Some(BookedBody { row: bodies.row(*id)?, place: x.0, force: force.0, rates })
     };
-    let moved: Vec<Moved> = rows.into_iter().filter_map(row).collect();
+    let moved: Vec<BookedBody> = rows.into_iter().filter_map(row).collect();
     let mut end = bodies.positions.clone();
     for moved in &moved {
         end[moved.row] = moved.place;
@@ -242,11 +242,11 @@ pub fn book_energies(
 
 /// Adds the kinetic energy that has come or gone since the last increment, and stores the present
 /// value. Static increments do not change velocities.
-fn exchange_kinetic(e: &mut Energies, tables: &Tables, moved: &[Moved], ledger: &mut EnergyLedger) {
+fn exchange_kinetic(e: &mut Energies, tables: &Tables, moved: &[BookedBody], ledger: &mut EnergyLedger) {
     let bodies = tables.solved.bodies;
     let is_dynamic = matches!(tables.laws.analysis.kind, AnalysisKind::Dynamic { .. });
     let (mut start, mut end) = (0.0, 0.0);
-    for &Moved { row: i, rates, .. } in moved {
+    for &BookedBody { row: i, rates, .. } in moved {
         let Some(now) = rates else { continue };
         let of = |[x, y, spin]: [f64; 3]| {
             0.5 * bodies.masses[i] * (x * x + y * y) + 0.5 * bodies.inertias[i] * spin * spin

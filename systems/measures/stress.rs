@@ -8,7 +8,7 @@ use clastic_components::attempt::Attempt;
 use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition, LastMotion};
 use clastic_components::cell::PeriodicCell;
 use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
+use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::measure::Quantity;
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, MeasureLength, StressComponent, StressMeasure};
@@ -270,15 +270,13 @@ impl StressTables<'_, '_> {
 pub fn stress_error(
     In(measure): In<StressMeasure>,
     tables: StressTables,
-    acceptance: Res<Acceptance>,
 ) -> f64 {
     let Solved { bodies, contacts, program, solution } = tables.solved();
-    let residual = acceptance.residual.max(solution.tolerance);
     let force = force_scale(program, &solution.forces);
     let motion = displacement_scale(program, &solution.displacements);
     let errors = contacts.0.iter().zip(&program.interactions).map(|(contact, c)| {
         let elastic = if c.normal_compliance > 0.0 { motion / c.normal_compliance } else { 0.0 };
-        (contact, residual * (force + elastic))
+        (contact, solution.tolerance * (force + elastic))
     });
     let distance = |a: Entity, b: Entity| Some(wall_distance(a, b, &tables.geometry));
     let (sum, area) = match &measure {

@@ -84,24 +84,17 @@ fn renumber_memory(rows: Res<KeptRows>, bodies: Res<BodyTable>, mut solver: ResM
 /// motion is committed.
 const RESIDUAL_OF_MOTION: f64 = 1e-3;
 
-/// Residual at which the solver may stop; 0 means its own default. Loading of bonds to their limits
-/// requires the default, because errors could change which bond breaks.
-fn tolerance(
+/// Residual at which the solver may stop, of the one that is accepted; 0 for its own default.
+/// Loading of bonds to their limits requires the default, because errors could change which bond
+/// breaks.
+fn asked(
+    accepted: f64,
     analysis: &ClasticAnalysis,
-    acceptance: &Acceptance,
     attempt: &Attempt,
     bodies: &BodyTable,
 ) -> f64 {
-    let is_dynamic = matches!(analysis.kind, AnalysisKind::Dynamic { .. });
-    // Solvers aim at this residual by default.
-    let usual = Acceptance::default().residual;
-    if attempt.motion().is_some() {
-        RESIDUAL_OF_MOTION
-    } else if is_dynamic && bodies.bonds.is_empty() && acceptance.residual > usual {
-        acceptance.residual
-    } else {
-        0.0
-    }
+    let is_time_step = analysis.kind.dt().is_some() && bodies.bonds.is_empty();
+    if attempt.motion().is_some() || is_time_step { accepted } else { 0.0 }
 }
 
 /// Residuals of a solution. The inertia of a followed motion is part of its program. Elsewhere a
@@ -127,25 +120,26 @@ pub fn solve_program(
     mut attempt: ResMut<Attempt>,
     mut solution: ResMut<ConeSolution>,
 ) {
-    let tolerance = tolerance(&analysis, &acceptance, &attempt, &bodies);
+    let accepted = acceptance.residual_of(analysis.kind, &bodies);
+    let enough = if attempt.motion().is_some() { accepted.max(RESIDUAL_OF_MOTION) } else { accepted };
     let is_sliding = sliding::law_of(&law, &analysis, &attempt, &finding).is_some();
+    let tolerance = asked(enough, &analysis, &attempt, &bodies);
     let mut solve = |program: &ConeProgram| {
+        let aim = sliding::MARGIN * enough;
+        let swept = is_sliding.then(|| Coulomb::sweep(program, solver.0.memory(), aim)).flatten();
         // `solve_sliding` needs no associated solution after sweeps.
-        let aim = sliding::MARGIN * acceptance.residual.max(tolerance);
-        let start = is_sliding.then(|| Coulomb::sweep(program, solver.0.memory(), aim)).flatten();
-        start.map_or_else(|| solver.0.solve(program, tolerance), Ok)
+        swept.map_or_else(|| solver.0.solve(program, tolerance), Ok)
     };
     *solution = match check(&program).and_then(|()| solve(&program)) {
         Ok(solution) => solution,
         Err(malformed) => ConeSolution { message: malformed.to_string(), ..Default::default() },
     };
-    solution.tolerance = tolerance;
+    solution.tolerance = enough;
     if solution.law == SlidingLaw::Associated
         && matches!(solution.status, SolveStatus::Solved | SolveStatus::Stalled)
         && solution.forces.len() == program.interactions.len()
         && solution.displacements.len() == program.bodies.len()
     {
-        let enough = acceptance.residual.max(tolerance);
         solution.residuals = if let AnalysisKind::Dynamic { .. } = analysis.kind {
             residuals::choose_displacements(&program, &mut solution, enough)
         } else {

@@ -85,7 +85,7 @@ pub fn solve_sliding(
     if is_static && too_far(solved, &acceptance).is_some() {
         return;
     }
-    let enough = acceptance.residual.max(solution.tolerance);
+    let enough = solution.tolerance;
     // The solver treats the regularisation as part of the program, but the residual below counts it
     // as an error. The margin keeps a solution that just converges from failing.
     let patient = finding.failures < MAX_FAILURES && !moves;
@@ -93,7 +93,8 @@ pub fn solve_sliding(
     // The tolerance of a motion must be so small that states which only the associated law balances
     // show as out of balance.
     let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
-    let at_once = first_point_suffices(&associated, &analysis, &program, solution.tolerance);
+    let asked = super::asked(enough, &analysis, &attempt, &bodies);
+    let at_once = first_point_suffices(&associated, &analysis, &program, asked);
     let goal = if at_once { Goal::enough(aim) } else { Goal::exact(aim) };
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
     // belong to its state at rest, from which the associated solution may be far away. Sweeps begin
@@ -118,6 +119,7 @@ pub fn solve_sliding(
     finding.failures += u32::from(!moves && found.status != SolveStatus::Solved);
     solution.status = SolveStatus::Solved;
     solution.law = found.law;
+    solution.message = found.message;
     solution.forces = found.forces;
     solution.displacements = found.displacements;
     solution.residuals = super::residuals_of(&attempt, &program, &solution);

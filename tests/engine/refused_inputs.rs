@@ -3,7 +3,7 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use clastic::components::increment::Coulomb;
-use clastic::components::rigid_group::RigidGroup;
+use clastic::components::rigid_group::{ContactForce, RigidGroup};
 use clastic::prelude::*;
 use glam::DVec2;
 
@@ -144,7 +144,7 @@ fn an_input_without_an_effect_is_refused_by_name() {
             reference: 0.0,
         });
     }
-    let cases: [(Fill, &str); 25] = [
+    let cases: [(Fill, &str); 26] = [
         (
             |app, [_, b]| {
                 app.world_mut().entity_mut(b).insert(Particle::disk(0.1, 2650.0, 0.5));
@@ -215,7 +215,7 @@ fn an_input_without_an_effect_is_refused_by_name() {
             "bond 0, `weld`, of bodies 1 and 99 has b = BodyId(99): give the identity of a body",
         ),
         (
-            |app, _| _ = app.insert_resource(Acceptance { residual: -1.0, ..Default::default() }),
+            |app, _| _ = app.insert_resource(Acceptance { residual: Some(-1.0), ..Default::default() }),
             "`Acceptance` has residual = -1.0: give a residual above 0",
         ),
         (
@@ -267,6 +267,15 @@ fn an_input_without_an_effect_is_refused_by_name() {
             "a load of `AddTrialLoads` on particle 1, ENTITY, has stiffness = 1000.0: give 0",
         ),
         (
+            |app, _| {
+                group(app, "raft", &[1]);
+                let mut rafts = app.world_mut().query_filtered::<Entity, With<RigidGroup>>();
+                let raft = rafts.single(app.world()).unwrap();
+                app.world_mut().entity_mut(raft).insert(WallControl::Velocity(DVec2::Y));
+            },
+            "rigid group `raft` has WallControl = \"a component\": give none",
+        ),
+        (
             |app, _| group(app, "raft", &[1, 88]),
             "rigid group `raft` has a member = BodyId(88): give the identity of a particle or wall",
         ),
@@ -301,4 +310,16 @@ fn an_input_without_an_effect_is_refused_by_name() {
             "{expected}"
         );
     }
+}
+
+/// A program asks for the force of the contacts on a body by a component, which is filled.
+#[test]
+fn a_particle_may_have_the_force_of_its_contacts() {
+    let mut app = falling();
+    let body = app.world_mut().query_filtered::<Entity, With<Particle>>().iter(app.world()).next();
+    let body = body.unwrap();
+    app.world_mut().entity_mut(body).insert(ContactForce([f64::NAN; 3]));
+    app.update();
+    assert_eq!(increments(&app), 1);
+    assert_eq!(app.world().get::<ContactForce>(body), Some(&ContactForce([0.0; 3])));
 }

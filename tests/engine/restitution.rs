@@ -447,27 +447,28 @@ fn a_heap_loses_energy_and_comes_to_rest() {
         let mut simulation = Simulation::new(&scene, None);
         let start = energy(&mut simulation, G);
         let (mut last, mut growth, mut sum) = (start, 0.0_f64, 0.0);
-        let mut fastest = 0.0;
         while next(&mut simulation).is_some() {
             let now = energy(&mut simulation, G);
             growth = growth.max(now - last);
             sum += (now - last).max(0.0);
             last = now;
-            let disks = states(&mut simulation);
-            let moving = disks.iter().filter(|s| !rolls_on_the_floor(s));
-            fastest = moving.map(|s| s.velocity.length()).fold(0.0, f64::max);
             let ledger = simulation.world().resource::<EnergyLedger>();
             let error = ledger.increment.error().abs();
             assert!(error <= 1e-7 * start, "the ledger is off by {error:e} J of {start:e} J");
         }
+        let disks = states(&mut simulation);
+        let moving: Vec<_> = disks.iter().filter(|s| s.velocity.length() > 1e-6).collect();
         let resolved = 0.5 * disk_weight() / G * (G * dt).powi(2);
         println!(
             "{law}, theta {theta}, dt {dt}: {start:e} to {last:e} J; grows by {growth:e} J at most ({resolved:e} J in \
-             a free increment), {sum:e} J together; fastest {fastest:e} m/s"
+             a free increment), {sum:e} J together; {} move",
+            moving.len()
         );
         assert!(growth <= resolved, "{law} {theta}: grew by {growth:e} J");
         assert!(sum <= 1e-4 * (start - last), "{law} {theta}: grew by {sum:e} J together");
-        assert!(fastest <= 1e-6, "{law} {theta}: {fastest:e} m/s");
+        // One disk beside the heap may roll: nothing stops it but the next impact.
+        let rolls = moving.len() == 1 && rolls_on_the_floor(moving[0]);
+        assert!(moving.is_empty() || rolls, "{law} {theta}: {} move", moving.len());
     }
 }
 

@@ -32,7 +32,7 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     let kinetic = record.kinetic_energy;
     let e = world.resource::<EnergyLedger>();
     // A capped increment reports its residual.
-    let residual = world.resource::<Acceptance>().residual.max(record.residuals.worst());
+    let residual = solution.tolerance.max(record.residuals.worst());
     // The last term: round-off of fast bodies whose speed hardly changes.
     residual * rows as f64 * force * motion
         + 1e-12 * (e.increment.throughput() + e.stored.unwrap_or_default())

@@ -212,14 +212,20 @@ fn is_consistent(matrix: &[Vec<f64>], right: &[f64]) -> bool {
         .all(|(row, right)| row.iter().any(|x| x.abs() >= 1e-10) || right.abs() < SIGN)
 }
 
-/// The solver with the start that the engine gives it: sweeps where grains slide in a time step, else
-/// the associated solution.
-pub fn coulomb(program: &ConeProgram) -> Option<ConeSolution> {
+/// Residual to which the engine sweeps before the solver of Coulomb's law.
+pub const SWEPT: f64 = 0.9e-8;
+
+/// A residual from which the solver still has all the work to do.
+const LOOSE: f64 = 1e-2;
+
+/// The solver from sweeps to a residual where grains slide in a time step, else from the associated
+/// solution.
+pub fn coulomb(program: &ConeProgram, swept: f64) -> Option<ConeSolution> {
     let associated = || {
         let start = Condensed::default().solve(program, 0.0).ok()?;
         (start.status == SolveStatus::Solved).then_some(start)
     };
-    let start = Coulomb::sweep(program, &[], 0.9e-8).or_else(associated)?;
+    let start = Coulomb::sweep(program, &[], swept).or_else(associated)?;
     let found = Coulomb::default().solve(program, &start, Goal::exact(0.9e-8), 500);
     (found.status == SolveStatus::Solved).then_some(found)
 }
@@ -231,7 +237,7 @@ fn the_first_point_within_the_tolerance_takes_fewer_factorisations() {
     let (mut at_once, mut sharp) = (0, 0);
     for seed in 0..60 {
         let program = random(seed, true);
-        let Some(start) = Coulomb::sweep(&program, &[], 0.9e-8) else { continue };
+        let Some(start) = Coulomb::sweep(&program, &[], LOOSE) else { continue };
         let solve = |goal| Coulomb::default().solve(&program, &start, goal, 500);
         let [first, last] = [Goal::enough(0.9e-8), Goal::exact(0.9e-8)].map(solve);
         assert_eq!(first.status, last.status, "seed {seed}");
@@ -242,7 +248,7 @@ fn the_first_point_within_the_tolerance_takes_fewer_factorisations() {
             sharp += last.iterations;
         }
     }
-    assert!(10 * at_once <= 9 * sharp, "{at_once} and {sharp}");
+    assert!(at_once > 0 && 10 * at_once <= 9 * sharp, "{at_once} and {sharp}");
 }
 
 /// Sweeps of Coulomb's law alone solve most time steps of few disks, and say so truly.
@@ -373,14 +379,14 @@ struct Count {
     far: f64,
 }
 
-fn count(seeds: std::ops::Range<u64>, dynamic: bool) -> Count {
+fn count(seeds: std::ops::Range<u64>, dynamic: bool, swept: f64) -> Count {
     let mut count = Count::default();
     for seed in seeds {
         let program = random(seed, dynamic);
         let Some(all) = solutions(&program) else { continue };
         let kind = all.len().min(2);
         count.programs[kind] += 1;
-        match coulomb(&program) {
+        match coulomb(&program, swept) {
             Some(found) => {
                 count.solved[kind] += 1;
                 let distance = distance(&found, &all);
@@ -398,18 +404,20 @@ fn count(seeds: std::ops::Range<u64>, dynamic: bool) -> Count {
 /// Time steps: a solution always exists, and with several the solver finds one of them.
 #[test]
 fn time_steps_of_few_disks_have_the_enumerated_solution() {
-    let count = count(0..400, true);
-    assert_eq!(count.programs[0], 0);
-    let all: usize = count.programs.iter().sum();
-    assert!(all >= 390, "{all} programs compared");
-    let solved: usize = count.solved.iter().sum();
-    assert!(solved >= all - 1, "{solved} of {all} solved");
+    for swept in [SWEPT, LOOSE] {
+        let count = count(0..400, true, swept);
+        assert_eq!(count.programs[0], 0);
+        let all: usize = count.programs.iter().sum();
+        assert!(all >= 390, "{all} programs compared");
+        let solved: usize = count.solved.iter().sum();
+        assert!(solved >= all - 1, "{solved} of {all} solved");
+    }
 }
 
 /// Static programs: no solution is found where the enumeration finds none.
 #[test]
 fn equilibria_of_few_disks_have_the_enumerated_solution() {
-    let count = count(0..400, false);
+    let count = count(0..400, false, SWEPT);
     assert_eq!(count.solved[0], 0);
     assert!(count.programs[1] >= 40, "{count:?}");
     assert_eq!(count.solved[1..], count.programs[1..]);
@@ -459,10 +467,10 @@ fn the_solutions_of_an_elastically_held_particle_are_those_of_klarbring() {
             let slip = 0.5 / (friction * 1.0 - 2.0);
             assert!((slid.displacements[0][1].abs() - slip.abs()).abs() < 1e-12, "{slid:?}");
         }
-        let found = coulomb(&program).unwrap();
+        let found = coulomb(&program, SWEPT).unwrap();
         assert!(distance(&found, &all) < 1e-8, "mu = {friction}");
         // The start is fixed: runs repeat.
-        let again = coulomb(&program).unwrap();
+        let again = coulomb(&program, SWEPT).unwrap();
         assert_eq!(found.forces, again.forces);
     }
 }

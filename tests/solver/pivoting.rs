@@ -20,7 +20,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::SeedableRng;
 
 use crate::common::programs::{Kind, increments};
-use crate::enumeration::{Random, coulomb, random, random_of, solutions, solve};
+use crate::enumeration::{Random, SWEPT, coulomb, random, random_of, solutions, solve};
 use crate::lemke;
 
 /// A linear complementarity problem before elimination: equations, and the columns of their
@@ -303,7 +303,7 @@ fn difference(a: &Found, b: &Found) -> [f64; 2] {
 /// The solution of the engine, over the scales of the program.
 fn of_engine(program: &ConeProgram) -> Option<Found> {
     let s = &program.scales;
-    let found = coulomb(program)?;
+    let found = coulomb(program, SWEPT)?;
     let forces = found.forces.iter().map(|f| [f[0] / s.force, f[1] / s.force]).collect();
     let u = found.displacements.iter();
     let u = u.map(|u| [u[0], u[1], u[2] * s.length].map(|u| u / s.displacement)).collect();

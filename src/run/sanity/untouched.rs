@@ -9,7 +9,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyExternalForce;
-use clastic_components::increment::{Acceptance, ClasticProgress};
+use clastic_components::increment::ClasticProgress;
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
 use clastic_components::wall::WallName;
 use clastic_cone::program::{ConeProgram, ConeSolution};
@@ -43,7 +43,6 @@ pub struct Untouched {
 pub struct Carried<'w, 's> {
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
-    acceptance: Res<'w, Acceptance>,
     walls: Query<'w, 's, (&'static WallName, &'static BodyExternalForce)>,
     groups: Query<'w, 's, (&'static RigidGroup, &'static ContactForce)>,
 }
@@ -55,8 +54,7 @@ impl Carried<'_, '_> {
         let stiff = self.program.interactions.iter().map(|c| c.normal_compliance);
         let stiff =
             stiff.filter(|compliance| *compliance > 0.0).map(f64::recip).fold(0.0, f64::max);
-        let residual = self.acceptance.residual.max(self.solution.tolerance);
-        let error = residual
+        let error = self.solution.tolerance
             * (force_scale(&self.program, &self.solution.forces)
                 + stiff * displacement_scale(&self.program, &self.solution.displacements));
         let length = self.program.scales.length;

@@ -108,7 +108,8 @@ fn particles(at: &mut At, list: &[Particle]) {
     }
 }
 
-/// Checks a packing of this number of disks in so many columns, if both are known.
+/// Checks the grid on which a packing starts: every cell holds the largest disk, and no disk is behind
+/// a wall. `counts` are the numbers of disks and of columns, `None` where one of them is wrong itself.
 fn packing(
     at: &mut At,
     counts: Option<(u32, u32)>,

@@ -11,7 +11,7 @@
 //! 4. The [`interior`] point decides all else: solved, collapsed with its mechanism, locked with
 //!    its forces, or stalled at the limit of arithmetic.
 //!
-//! [`settings`] has every number that steers these steps.
+//! [`settings`] has the numbers that steer these steps, `sweeps` its own.
 
 pub mod images;
 pub mod interior;
@@ -179,13 +179,10 @@ impl Condensed {
         let demand = Demand::of(program, tolerance, &self.settings);
         // Without momentum the last forces do not belong to a continuing motion.
         let continues = !program.last_forces.is_empty() && program.has_momentum();
-        let swept = if demand.at_once && continues {
-            sweeps::sweep(program, SlidingLaw::Associated, demand.tolerance)
-        } else {
-            None
-        };
-        if let Some(solution) = swept.as_ref().filter(|s| s.status == SolveStatus::Solved) {
-            return solution.clone();
+        let mut swept = (demand.at_once && continues && sweeps::applies(program))
+            .then(|| sweeps::sweep(program, SlidingLaw::Associated, demand.tolerance));
+        if let Some(solution) = swept.take_if(|s| s.status == SolveStatus::Solved) {
+            return solution;
         }
         let Some(matrix) = self.matrix.of(program) else {
             let message = "no order of elimination was found".to_owned();
@@ -193,9 +190,7 @@ impl Condensed {
         };
         let mut posed = Posed::new(program, &self.settings, matrix, demand);
         if let Some(swept) = swept {
-            let start = posed.in_units(&swept.displacements);
-            let forces = forces_in_units(program, &swept.forces);
-            let solution = posed.interior(&start, Some(&forces), &mut iterations);
+            let solution = posed.interior_after(&swept, &mut iterations);
             if solution.status == SolveStatus::Solved {
                 return solution;
             }

@@ -6,7 +6,7 @@ use super::local;
 use super::matrix::BodyMatrix;
 use super::newton::Newton;
 use super::parallel::in_pool;
-use super::scaled::Scaled;
+use super::scaled::{Scaled, forces_in_units};
 use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
 use super::{ROUND_OFF, checked};
 use crate::certificate::{certificate, locks, proves};
@@ -122,6 +122,22 @@ impl<'a> Posed<'a> {
         *iterations += result.iterations;
         let solution = units.solution(&result.u, &result.s, *iterations, "newton");
         (result, solution)
+    }
+
+    /// The interior point from a point after sweeps, to the first solution. Such a program is dynamic:
+    /// no proof of a collapse is sought.
+    pub fn interior_after(&mut self, swept: &ConeSolution, iterations: &mut u32) -> ConeSolution {
+        let start = self.in_units(&swept.displacements);
+        let Self { scaled, matrix, settings, units, .. } = self;
+        let forces = forces_in_units(units.program, &swept.forces);
+        let warm = Some(Warm { forces: &forces, product: settings.warm_product });
+        let goal = interior::Goal::enough(self.demand.goal_of_interior(settings));
+        let judge = |point: &Interior| units.is_solution(point);
+        let (_, point) = in_pool(self.is_shared, || {
+            interior::solve(scaled, matrix, &start, warm, &settings.interior, goal, &judge)
+        });
+        *iterations += point.iterations;
+        units.solution(&point.u, &point.s, *iterations, "interior after sweeps")
     }
 
     /// The interior point from displacements and forces, which follow from the displacements if there

@@ -50,23 +50,24 @@ struct Contact<const F: usize> {
     slopes: [f64; F],
 }
 
-/// The solution after sweeps from the forces of the last increment, with the displacements that
-/// balance its forces; stalled if its residual exceeds the tolerance. `None` where an interaction has
-/// strength or an image, or a degree of freedom no weight.
+/// Whether sweeps can find the forces: every degree of freedom has a weight, and every interaction is
+/// a contact without strength and without an image.
 #[must_use]
-pub fn sweep(program: &ConeProgram, law: SlidingLaw, tolerance: f64) -> Option<ConeSolution> {
+pub fn applies(program: &ConeProgram) -> bool {
     let is_contact = |c: &Interaction| !c.limits.has_strength() && c.limits.moment == 0.0;
-    let applies = program.cell.is_none()
-        && program.is_damped()
-        && program.interactions.iter().all(is_contact);
-    applies.then(|| {
-        let scaled = Scaled::natural(program);
-        if scaled.locals.iter().any(|l| l.has[2]) {
-            Sweeps::<3>::new(program, &scaled, law).converge(program, tolerance)
-        } else {
-            Sweeps::<2>::new(program, &scaled, law).converge(program, tolerance)
-        }
-    })
+    program.cell.is_none() && program.is_damped() && program.interactions.iter().all(is_contact)
+}
+
+/// The solution of a program to which sweeps apply after sweeps from the forces of the last increment,
+/// with the displacements that balance its forces; stalled if its residual exceeds the tolerance.
+#[must_use]
+pub fn sweep(program: &ConeProgram, law: SlidingLaw, tolerance: f64) -> ConeSolution {
+    let scaled = Scaled::natural(program);
+    if scaled.locals.iter().any(|l| l.has[2]) {
+        Sweeps::<3>::new(program, &scaled, law).converge(program, tolerance)
+    } else {
+        Sweeps::<2>::new(program, &scaled, law).converge(program, tolerance)
+    }
 }
 
 /// Forces and displacements between two sweeps, in units of the scales, displacements times the
@@ -104,21 +105,23 @@ impl<const F: usize> Sweeps<F> {
         Self { law, contacts, y: s.clone(), v: u.clone(), s, u, t: 1.0 }
     }
 
-    /// Sweeps until the residual is within the tolerance, under Coulomb's law while rounds halve it,
-    /// under the associated law for one round.
+    /// The point after one round under the associated law, under Coulomb's law after as many as halve
+    /// the residual until it is within the tolerance. A round that does not halve it is kept: a search
+    /// from there takes fewer factorisations than from the point before.
     fn converge(mut self, program: &ConeProgram, tolerance: f64) -> ConeSolution {
-        let mut last = match self.law {
-            SlidingLaw::Coulomb => self.solution(program, tolerance),
-            SlidingLaw::Associated => ConeSolution::default(),
-        };
+        if self.law == SlidingLaw::Associated {
+            self.round(1.0);
+            return self.solution(program, tolerance);
+        }
+        let mut last = self.solution(program, tolerance);
         let mut max_momentum = 1.0;
         while last.status != SolveStatus::Solved {
             self.round(max_momentum);
             max_momentum = MAX_MOMENTUM;
             let next = self.solution(program, tolerance);
-            let halved = next.residuals.worst() <= 0.5 * last.residuals.worst();
+            let is_halved = next.residuals.worst() <= 0.5 * last.residuals.worst();
             last = next;
-            if !halved {
+            if !is_halved {
                 break;
             }
         }
@@ -127,7 +130,7 @@ impl<const F: usize> Sweeps<F> {
 
     fn round(&mut self, max_momentum: f64) {
         let Self { law, contacts, s, u, y, v, t } = self;
-        let mut from = v.clone();
+        let mut from = Vec::new();
         for _ in 0..ROUND {
             from.clone_from(v);
             for (c, y) in contacts.iter().zip(y.iter_mut()) {

@@ -78,10 +78,13 @@ impl Coulomb {
         moved: &[[f64; 3]],
         tolerance: f64,
     ) -> Option<ConeSolution> {
-        if !program.is_dynamic() || sleeping::find(program, moved).is_some() {
+        let applies = program.is_dynamic()
+            && sweeps::applies(program)
+            && sleeping::find(program, moved).is_none();
+        if !applies {
             return None;
         }
-        let start = sweeps::sweep(program, SlidingLaw::Coulomb, tolerance)?;
+        let start = sweeps::sweep(program, SlidingLaw::Coulomb, tolerance);
         let mut closed = program.interactions.iter().zip(&start.forces).filter(|(_, f)| f[0] > 0.0);
         let slides = closed.any(|(c, f)| c.limits.slides(f) || c.limits.rolls(f));
         slides.then_some(start)

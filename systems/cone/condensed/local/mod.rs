@@ -100,8 +100,8 @@ impl<'a> Elimination<'a> {
         }
     }
 
-    /// Whether a body is held: the cell, and walls, with more than `max_interactions` interactions.
-    /// They touch bodies everywhere and would join all patches to one.
+    /// Whether a body is held: the cell, or a body with more than `max_interactions` interactions, as
+    /// walls have. They touch bodies everywhere and would join all patches to one.
     fn is_held(&self, body: usize) -> bool {
         self.adjacency.of(body).len() > self.settings.max_interactions
             || self.program.images.is_cell(body)

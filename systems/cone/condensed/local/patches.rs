@@ -9,7 +9,7 @@ use super::super::spring::Elastic;
 use super::Elimination;
 
 /// Bodies with their displacements.
-type Moved = Vec<(usize, [f64; 3])>;
+type Motion = Vec<(usize, [f64; 3])>;
 
 impl Elimination<'_> {
     /// The patches around the seeds, each with its bodies in ascending order.
@@ -86,9 +86,9 @@ impl Elimination<'_> {
         patches: &[Vec<usize>],
         u: &[[f64; 3]],
         goal: Goal,
-    ) -> Moved {
+    ) -> Motion {
         let balance = |members: &Vec<usize>| self.balance::<S, F>(members, u, goal);
-        let solutions: Vec<Option<Moved>> = if self.is_shared {
+        let solutions: Vec<Option<Motion>> = if self.is_shared {
             in_parallel(patches.iter(), balance)
         } else {
             patches.iter().map(balance).collect()
@@ -103,7 +103,7 @@ impl Elimination<'_> {
         members: &[usize],
         start: &[[f64; 3]],
         goal: Goal,
-    ) -> Option<Moved> {
+    ) -> Option<Motion> {
         let program = self.program;
         let mut used: Vec<usize> =
             members.iter().flat_map(|i| self.adjacency.of(*i)).copied().collect();

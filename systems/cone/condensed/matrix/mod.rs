@@ -1,5 +1,6 @@
-//! The condensed matrix: one symmetric positive definite block of three unknowns per body,
-//! factorised by a multifrontal Cholesky method (Duff and Reid 1983; Liu 1992).
+//! The condensed matrix: one block of three unknowns per body. It is symmetric positive definite
+//! under the associated law and factorised by a multifrontal Cholesky method (Duff and Reid 1983; Liu
+//! 1992); under Coulomb's law it is not symmetric and the method is LU on the same fronts.
 //!
 //! Its pattern is the graph of bodies and interactions. The order of elimination (approximate
 //! minimum degree on that graph) and the fronts are kept as long as the pattern stays. Most fronts
