@@ -3,8 +3,6 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::BodyTable;
-
 pub use crate::analysis::{AnalysisKind, ClasticAnalysis, Coulomb, FrictionLaw};
 pub use crate::progress::ClasticProgress;
 
@@ -101,10 +99,9 @@ impl Default for RuptureRules {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(deny_unknown_fields, default)]
 pub struct Acceptance {
-    /// Maximum residual of an accepted solution, without dimension; `None` for
-    /// [`EQUILIBRIUM`](Self::EQUILIBRIUM), and [`TIME_STEP`](Self::TIME_STEP) in time steps without
-    /// bonds.
-    pub residual: Option<f64>,
+    /// Maximum residual of an accepted solution, without dimension. In dynamic increments without
+    /// bonds the default solver aims at it if it is above 1e-8.
+    pub residual: f64,
     /// Maximum angle by which one static solution turns a bond or a contact that carries load, rad.
     /// A solution that turns one further is followed as a motion, since its normals are constant.
     pub turn: f64,
@@ -127,25 +124,12 @@ impl Acceptance {
     /// Maximum travel of the furthest grain in a step of a followed motion, in
     /// its radii. Constant normals allow no more.
     pub const MAX_TRAVEL: f64 = 0.3;
-    /// Default of [`residual`](Self::residual): so small that the error of a force decides neither
-    /// which bond breaks nor which grain loses its support.
-    pub const EQUILIBRIUM: f64 = 1e-8;
-    /// Default of [`residual`](Self::residual) in time steps without bonds. Flow, pressures and
-    /// run-out have the same means and scatter as with 1e-8 (decision 012), in a quarter of the time.
-    pub const TIME_STEP: f64 = 1e-4;
-
-    /// Maximum residual of a solution that is accepted in an increment of these bodies.
-    #[must_use]
-    pub fn residual_of(&self, kind: AnalysisKind, bodies: &BodyTable) -> f64 {
-        let is_exact = !matches!(kind, AnalysisKind::Dynamic { .. }) || !bodies.bonds.is_empty();
-        self.residual.unwrap_or(if is_exact { Self::EQUILIBRIUM } else { Self::TIME_STEP })
-    }
 }
 
 impl Default for Acceptance {
     fn default() -> Self {
         Self {
-            residual: None,
+            residual: 1e-8,
             turn: 0.2,
             motion_step: 0.15,
             overlap: 1e-6,

@@ -91,12 +91,13 @@ impl Scenes {
         self.load(if full { "biaxial_50kPa" } else { "biaxial_small" }, sets)
     }
 
-    /// Collapse of a column, 300 or 2000 disks.
+    /// Collapse of a column under the associated law, 300 or 2000 disks.
     ///
     /// # Errors
     /// See [`load`](Self::load).
     pub fn collapse(&self, full: bool) -> Result<LoadedScene, LoadError> {
-        self.load(if full { "column_collapse" } else { "column_collapse_small" }, &[])
+        let name = if full { "column_collapse" } else { "column_collapse_small" };
+        self.load(name, &["friction_law=Associated", "acceptance.residual=1e-8"])
     }
 }
 

@@ -20,6 +20,7 @@ pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
         if let Stage::Custom(stage) = stage
+            && !stage.kind.trim().is_empty()
             && !stages.contains(&stage.kind.as_str())
         {
             let instead = "give a `Load`, `Compact` or `Cement`, or";

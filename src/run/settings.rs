@@ -46,10 +46,9 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
 
 /// The condensed solver for increments of this residual. A residual below the default needs a solver
 /// that aims lower; a larger one is stated by the program where it may be used.
-fn condensed(residual: Option<f64>) -> Condensed {
+fn condensed(residual: f64) -> Condensed {
     let mut settings = CondensedSettings::default();
-    let aim = settings.safety * residual.unwrap_or(f64::INFINITY);
-    settings.tolerance = settings.tolerance.min(aim);
+    settings.tolerance = settings.tolerance.min(settings.safety * residual);
     Condensed::new(settings)
 }
 

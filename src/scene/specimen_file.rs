@@ -138,8 +138,8 @@ impl Reading {
                     Ok(found) => columns = Some(found),
                     Err(message) => {
                         let message = format!("{message} `{line}`");
-                        let help =
-                            "the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`";
+                        let help = "the first line is `x_m,y_m,radius_m`, and optionally `material` and \
+                                    `group` after it";
                         return self.note(start, "", &message, help);
                     }
                 }

@@ -52,8 +52,7 @@ fn analysis(analysis: &ClasticAnalysis) -> Option<Bad> {
 }
 
 fn acceptance(acceptance: &Acceptance) -> Option<Bad> {
-    let residual = acceptance.residual.and_then(|r| outside("residual", r, RESIDUAL));
-    residual
+    outside("residual", acceptance.residual, RESIDUAL)
         .or_else(|| outside("turn", acceptance.turn, TURN))
         .or_else(|| outside("motion_step", acceptance.motion_step, MOTION_STEP))
         .or_else(|| outside("overlap", acceptance.overlap, PART))

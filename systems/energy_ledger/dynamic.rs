@@ -10,6 +10,7 @@ use clastic_cone::program::ConeProgram;
 
 use super::BookedBody;
 use super::interactions::{Part, Tables};
+use crate::assemble_program::groups::turning_stiffness;
 use crate::solved::Solved;
 
 /// Adds the work of loads and the kinetic energy of a time step of `dt` (s). Returns the
@@ -85,7 +86,14 @@ fn book_group(
     let Solved { bodies, solution, .. } = tables.solved;
     let row = group.body as usize;
     let before = bodies.rates(row);
-    let all = bodies.load_on_group(group, tables.fraction, tables.laws.analysis.gravity);
+    let analysis = tables.laws.analysis;
+    let mut all = bodies.load_on_group(group, tables.fraction, analysis.gravity);
+    let turn = solution.displacements[row][2];
+    let mut by_turn = 0.0;
+    if group.drives[2] == BodyDrive::Free {
+        by_turn = turning_stiffness(bodies, group, tables.fraction, analysis) * turn;
+        all[2] -= by_turn;
+    }
     for k in 0..3 {
         let u = solution.displacements[row][k];
         if group.drives[k] == BodyDrive::Free {
@@ -98,8 +106,8 @@ fn book_group(
             e.external -= 0.5 * group.mass_of(k) * change * change;
         }
     }
-    // The program has the moment of the weight about a pivot as it is at the start.
-    e.turning += turned_work(tables, group);
+    // The program has the moment of the weight about a pivot as it is within the step.
+    e.turning += turned_work(tables, group) + by_turn * turn;
 }
 
 /// Work of the weight and of the loads of the members along their finite rotation, less that along

@@ -74,7 +74,7 @@ impl Paths<'_> {
         }
         step.move_groups(&mut out);
         carry(solved.bodies, &mut out);
-        let allowed = residual_overlap(&self.acceptance, analysis.kind, solved.bodies);
+        let allowed = residual_overlap(&self.acceptance, solved.bodies);
         while step.end_overlaps(allowed, &mut kinds, &mut out) {}
         out.into()
     }

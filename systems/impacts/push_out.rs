@@ -21,13 +21,9 @@ use crate::solved::{Solved, SolvedTables};
 /// radius here.
 const MARGIN: f64 = 10.0;
 
-/// Maximum overlap that counts as a residual in an increment of this kind, m.
-pub(crate) fn residual_overlap(
-    acceptance: &Acceptance,
-    kind: AnalysisKind,
-    bodies: &BodyTable,
-) -> f64 {
-    MARGIN * acceptance.residual_of(kind, bodies) * bodies.mean_radius
+/// Maximum overlap that counts as a residual, m.
+pub(crate) fn residual_overlap(acceptance: &Acceptance, bodies: &BodyTable) -> f64 {
+    MARGIN * acceptance.residual * bodies.mean_radius
 }
 
 /// Keeps the motion of the first solution and requests the second one.
@@ -40,7 +36,7 @@ pub fn judge(
 ) {
     let AnalysisKind::Dynamic { .. } = analysis.kind else { return };
     let Solved { bodies, contacts, program, solution } = tables.get();
-    if pushed.0.is_none() && overlaps(&acceptance, analysis.kind, bodies, contacts, program) {
+    if pushed.0.is_none() && overlaps(&acceptance, bodies, contacts, program) {
         pushed.0 = Some(solution.displacements.clone());
         attempt.verdict = Verdict::Again;
     }
@@ -49,12 +45,11 @@ pub fn judge(
 /// Whether rigid bodies overlap at the start.
 pub(crate) fn overlaps(
     acceptance: &Acceptance,
-    kind: AnalysisKind,
     bodies: &BodyTable,
     contacts: &ContactTable,
     program: &ConeProgram,
 ) -> bool {
-    let residual = residual_overlap(acceptance, kind, bodies);
+    let residual = residual_overlap(acceptance, bodies);
     contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
         let bonded = c.limits.has_strength();
         c.normal_compliance == 0.0 && !bonded && contact.gap < -residual

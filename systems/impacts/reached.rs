@@ -49,7 +49,7 @@ pub fn judge(
     for k in impacts.hit.iter().filter(|k| carrying.is_carrying(**k)) {
         struck[clusters.of(&program.interactions[*k])] = true;
     }
-    let touch = residual_overlap(&acceptance, analysis.kind, bodies);
+    let touch = residual_overlap(&acceptance, bodies);
     let mut new = Vec::new();
     for (k, (contact, c, f)) in solved.contacts().enumerate() {
         let pair = (contact.a, contact.b);

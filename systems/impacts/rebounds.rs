@@ -58,7 +58,7 @@ pub fn assemble_rebounds(
     impacts.end_share = 0.0;
     let AnalysisKind::Dynamic { dt: whole, .. } = analysis.kind else { return };
     let dt = whole * progress.fraction;
-    if pushed.0.is_none() && overlaps(&acceptance, analysis.kind, &bodies, &contacts, &program) {
+    if pushed.0.is_none() && overlaps(&acceptance, &bodies, &contacts, &program) {
         // This solution removes overlaps. The next one determines the velocities.
         impacts.end_share = 1.0;
         return;
@@ -69,7 +69,7 @@ pub fn assemble_rebounds(
     let approaches: Vec<_> =
         pairs().map(|(contact, c)| Approach::of(&motions, contact, c)).collect();
     // Number of other bodies that each body touches or would close to.
-    let touch = residual_overlap(&acceptance, analysis.kind, &bodies);
+    let touch = residual_overlap(&acceptance, &bodies);
     let near: Vec<_> = pairs()
         .zip(&approaches)
         .map(|((contact, c), approach)| {

@@ -171,7 +171,7 @@ fn run_out_and_height_grow_with_the_aspect_ratio_as_published() {
 fn what_need_not_be_exact_takes_fewer_iterations() {
     let collapse = |residual: f64| {
         let mut scene = load("column_collapse_small");
-        scene.acceptance.residual = Some(residual);
+        scene.acceptance.residual = residual;
         let mut simulation = Simulation::new(&scene, None);
         let (mut iterations, mut worst) = (0, 0.0_f64);
         while let Some(record) = step(&mut simulation) {

@@ -286,6 +286,42 @@ fn a_group_on_a_pivot_swings_as_a_compound_pendulum() {
     assert!(error.error().abs() < 1e-3 * error.throughput(), "{error:?}");
 }
 
+/// A pendulum with an amplitude of one radian keeps its energy over 10 s at 200 steps a period, and
+/// gains none at 20.
+#[test]
+fn a_group_on_a_pivot_keeps_its_energy_with_theta_one_half() {
+    let l: f64 = 0.5;
+    let start = (l * 1.0_f64.sin(), -l * 1.0_f64.cos());
+    let inertia = mass() * (l * l + 0.5 * R * R);
+    let period = 2.0 * PI * (inertia / (mass() * G * l)).sqrt();
+    for (steps, allowed) in [(200.0, 1e-4), (20.0, 1e-2)] {
+        let dt = period / steps;
+        let count = (10.0 / dt) as u32;
+        let rig = scene(
+            &[start],
+            &format!("gravity: (0.0, -9.81), analysis: Dynamic(dt: {dt}, theta: 0.5),"),
+            "friction: 0.5",
+            "",
+            &format!(
+                "Load(name: \"swing\", increments: {count}, rigid: {{ \"bob\": (select: All,
+                    about: (0.0, 0.0), x: Held, y: Held) }})"
+            ),
+        );
+        let mut simulation = Simulation::new(&rig, None);
+        let scale = mass() * G * l * (1.0 - 1.0_f64.cos());
+        let mut worst: f64 = 0.0;
+        while next(&mut simulation).is_some() {
+            let bob = states(&mut simulation)[0];
+            let kinetic = 0.5 * inertia * bob.spin * bob.spin;
+            let energy = kinetic + mass() * G * (bob.position.y - start.1);
+            worst = worst.max(energy.abs() / scale);
+        }
+        assert!(worst < allowed, "{steps} steps a period: {worst:e}");
+        let ledger = simulation.world().resource::<EnergyLedger>().total;
+        assert!(ledger.error().abs() < 1e-9 * ledger.throughput(), "{ledger:?}");
+    }
+}
+
 /// A gate on a hinge under a moment leans on a disk: the force is the moment over the arm.
 #[test]
 fn a_moment_on_a_hinged_group_presses_at_its_arm() {

@@ -1,7 +1,7 @@
 //! The energy ledger closes: static and dynamic, elastic and rigid, and against analytic answers.
 
 use clastic::components::energy::{Energies, EnergyLedger};
-use clastic::components::increment::{self, Acceptance, AnalysisKind};
+use clastic::components::increment::{self, AnalysisKind};
 use clastic::components::observation::Observation;
 use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::cone::residuals::{displacement_scale, force_scale};

@@ -19,7 +19,7 @@ type Change = fn(&mut Scene, usize);
 
 /// Names of the changes. Each gets the scene and the index of the stage that was undecided.
 const REMEDIES: [(&str, Change); 9] = [
-    ("residual 1e-6", |scene, _| scene.acceptance.residual = Some(1e-6)),
+    ("residual 1e-6", |scene, _| scene.acceptance.residual = 1e-6),
     ("halvings 12", |scene, _| scene.acceptance.halvings = 12),
     ("turn 1", |scene, _| scene.acceptance.turn = 1.0),
     ("ten times the increments", |scene, stage| each_load(scene, stage, finer)),

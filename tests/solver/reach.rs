@@ -89,7 +89,7 @@ fn measure_scene(
         material.contact.tangential_stiffness = material.contact.tangential_stiffness.or(stiffness);
     }
     loaded.scene.friction_law = law;
-    loaded.scene.acceptance.residual = Some(1e-8);
+    loaded.scene.acceptance.residual = 1e-8;
     let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
     let mut stages: BTreeMap<String, Count> = BTreeMap::new();
     let mut before = processor_time();

@@ -291,16 +291,17 @@ fn half_and_double_of_condensed() {
     };
     let moving = |program: &ConeProgram| program.is_dynamic() && !program.last_forces.is_empty();
     let any = |_: &ConeProgram| true;
-    let loose = ["acceptance.residual=1e-3"];
+    let law = "friction_law=Associated";
+    let [tight, loose] = ["acceptance.residual=1e-8", "acceptance.residual=1e-3"].map(|r| [law, r]);
     let mut set = random(1..3);
     println!("random: {} programs", set.len());
     let scenes: [(&str, &[&str], fn(&ConeProgram) -> bool, [usize; 3]); 8] = [
         ("biaxial_small", &[], any, [20, 15, 20]),
         ("uniaxial_small", &[], any, [20, 9, 20]),
         ("uniaxial_rigid_small", &[], any, [1, 1, 10]),
-        ("column_collapse_small", &[], moving, [60, 25, 12]),
+        ("column_collapse_small", &tight, moving, [60, 25, 12]),
         ("column_collapse_small", &loose, moving, [60, 25, 12]),
-        ("column_collapse", &[], moving, [60, 20, 3]),
+        ("column_collapse", &tight, moving, [60, 20, 3]),
         ("column_collapse", &loose, moving, [60, 20, 3]),
         ("uniaxial", &[], elastic, [20, 25, 5]),
     ];
@@ -317,7 +318,12 @@ fn half_and_double_of_condensed() {
 fn half_and_double_of_coulomb() {
     let moving = |program: &ConeProgram| program.is_dynamic() && !program.last_forces.is_empty();
     let mut set = random(1..2);
-    set.extend(recorded("column_collapse_small", &[], moving, [60, 50, 4]));
+    set.extend(recorded(
+        "column_collapse_small",
+        &["friction_law=Associated", "acceptance.residual=1e-8"],
+        moving,
+        [60, 50, 4],
+    ));
     let (set, starts) = solved(&set);
     print_table(&set, &of_coulomb(), |settings| slide_all(&set, &starts, settings));
 }

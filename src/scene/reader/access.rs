@@ -198,7 +198,7 @@ impl<'a> de::MapAccess<'a> for Pairs<'_, 'a> {
             };
             let path = join(path, &key.text);
             if !key.quoted {
-                let help = format!("write `\"{}\"`", key.text);
+                let help = format!("write `\"{}\"`", key.text.trim_matches('\''));
                 cx.note(key.span.start, &path, "a key without quotes".to_owned(), help);
             }
             let mut earlier = node.entries[..self.next - 1].iter().flat_map(|entry| &entry.key);

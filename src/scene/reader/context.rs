@@ -111,10 +111,13 @@ impl Failure {
             ("increments" | "columns" | "rows" | "count", _) => {
                 format!("add `{field}: ...`, a number from 1")
             }
-            ("position" | "start" | "end" | "min" | "max", Some(unit)) => {
+            ("position" | "start" | "end" | "min" | "max" | "about" | "centre", Some(unit)) => {
                 format!("add `{field}: ...`, as (x, y) in {unit}")
             }
-            ("limits", Some(unit)) => {
+            ("size", Some(unit)) if path == "cell.size" => {
+                format!("add `{field}: ...`, as (width, height) in {unit}")
+            }
+            ("limits" | "radii", Some(unit)) => {
                 format!("add `{field}: ...`, as (minimum, maximum) in {unit}")
             }
             (_, Some(unit)) => format!("add `{field}: ...`, in {unit}"),

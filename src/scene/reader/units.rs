@@ -71,8 +71,8 @@ pub(super) fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
 pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
         "position" | "size" | "tilt" | "radius" | "radii" | "limits" | "spacing" | "origin"
-        | "start" | "moved" | "end" | "min" | "max" | "about" | "length" | "step" | "thickness"
-        | "ball" | "Height" => "m",
+        | "start" | "moved" | "end" | "min" | "max" | "about" | "centre" | "length" | "step"
+        | "thickness" | "ball" | "Height" => "m",
         "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),

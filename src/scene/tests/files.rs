@@ -88,7 +88,7 @@ fn each_bad_row_is_named() {
     assert_eq!(
         complaint("x,y,r\n"),
         "stored.csv:1:1: unknown columns `x,y,r`; \
-         the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`"
+         the first line is `x_m,y_m,radius_m`, and optionally `material` and `group` after it"
     );
     assert_eq!(complaint(""), "stored.csv:1:1: no header; the first line is `x_m,y_m,radius_m`");
     assert_eq!(
@@ -129,7 +129,7 @@ fn the_engines_own_final_particles_are_a_specimen() {
     assert_eq!(
         complaint("x_m,y_m,radius_m,mass\n0,1,1,1\n"),
         "stored.csv:1:1: unknown columns `x_m,y_m,radius_m,mass`; \
-         the first line is `x_m,y_m,radius_m` or `x_m,y_m,radius_m,material`"
+         the first line is `x_m,y_m,radius_m`, and optionally `material` and `group` after it"
     );
     assert!(complaint("x_m,y_m,id\n0,1,1\n").contains("`radius_m` is missing"));
     assert!(complaint("x_m,x_m,y_m,radius_m\n").contains("given twice"));

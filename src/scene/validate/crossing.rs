@@ -44,6 +44,7 @@ fn pair(at: &mut At, (a, b): (&Wall, &Wall), drawn: f64) {
         );
         let help = "give less for an increment; a displacement is not that of the whole stage";
         at.item("stages", i).entry("walls", &mover.name).add("", message, help);
+        return;
     }
 }
 

@@ -1,6 +1,6 @@
 //! Layers, minerals and cuts of a specimen.
 
-use crate::scene::format::{Scene, Select, Specimen};
+use crate::scene::format::{Scene, Select, Sizes, Specimen};
 use crate::scene::limits::MAX_PARTICLES;
 use crate::scene::memory;
 use crate::scene::stored::StoredSpecimen;
@@ -17,7 +17,10 @@ pub(super) fn is_manageable(scene: &Scene, stored: Option<&StoredSpecimen>) -> b
     let is_recipe = match &scene.specimen {
         Specimen::State { .. } => false,
         Specimen::File { .. } => stored.is_some(),
-        Specimen::Packing { columns, .. } => *columns > 0,
+        Specimen::Packing { columns, sizes, .. } => {
+            let is_curve = |passing: &[_]| passing.len() > 1;
+            *columns > 0 && !matches!(sizes, Sizes::Sieve { passing } if !is_curve(passing))
+        }
         Specimen::Particles(_) | Specimen::Lattice { .. } => true,
     };
     changes && is_recipe && memory::particles(&scene.specimen, stored) <= MAX_PARTICLES

@@ -48,7 +48,8 @@ impl<'a> Findings<'a> {
 
     /// Whether the stage that is checked certainly has no time.
     pub(super) fn is_timeless(&self) -> bool {
-        self.analysis == Analysis::Static && self.is_sure_of("analysis")
+        let own = format!("stages[{}].analysis", self.stage);
+        self.analysis == Analysis::Static && self.are_sure_of(&["analysis", &own])
     }
 
     /// Whether a wall is there in that stage; `None` if the scene has no such wall.
@@ -245,7 +246,7 @@ impl<'a> At<'_, 'a> {
     pub fn rectangle(&mut self, min: (f64, f64), max: (f64, f64)) -> bool {
         let fine = self.place("min", min) & self.place("max", max);
         let has_area = min.0 < max.0 && min.1 < max.1;
-        if fine && !has_area {
+        if fine && !has_area && self.is_sure("min") && self.is_sure("max") {
             let message = format!("not above and to the right of min ({max:?})");
             self.add("max", message, "give a rectangle with an area");
         }

@@ -51,6 +51,7 @@ pub(super) fn one_piece(at: &mut At, field: impl Display, name: &str, (what, hel
 /// without a length is an error of its own.
 pub(super) fn face(at: &mut At, field: &str, walls: [Option<&Wall>; 2]) {
     if let [Some(a), Some(b)] = walls
+        && at.is_sure_of("walls")
         && length(a) > 0.0
         && length(b) > 0.0
         && !are_opposite(a, b)

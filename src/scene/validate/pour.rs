@@ -13,7 +13,7 @@ use super::sizes::check_sizes;
 /// Checks what a stage has beside a loading stage.
 pub(super) fn check(at: &mut At, stage: &Pour) {
     let Stream { through, rate, minerals, velocity, group, .. } = &stage.stream;
-    if at.is_timeless() && at.is_sure("analysis") {
+    if at.is_timeless() {
         let help = "give `analysis: Dynamic(dt: ...)` to the stage";
         at.add("", "a static stage that pours: it has no time", help);
     }

@@ -73,7 +73,8 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
         select(&mut at.field("select"), wanted);
     }
     at.place("about", control.about);
-    if control.about.is_some() && !control.makes() {
+    let is_sure = at.is_sure("walls") && at.is_sure("select");
+    if control.about.is_some() && !control.makes() && is_sure {
         at.add("about", "the pivot of a group that exists", "give it where the group is made");
     }
     if control.about.is_none() && !control.walls.is_empty() {

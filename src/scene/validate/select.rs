@@ -16,7 +16,7 @@ pub(super) fn select(at: &mut At, select: &Select) {
     match select {
         Select::All => {
             let pours = context.scene.stages.iter().any(Stage::pours);
-            if context.particles == Some(0) && !pours && at.is_sure_of("specimen") {
+            if context.particles == Some(0) && !pours && at.are_sound(&["specimen", "keep"]) {
                 let help = "add particles to the specimen, or leave this entry out";
                 at.add("", "selects no particle: the specimen has none", help);
             }
@@ -49,7 +49,8 @@ pub(super) fn select(at: &mut At, select: &Select) {
         }
         Select::Box { min, max } => {
             let fine = at.place("min", *min) & at.place("max", *max);
-            if fine && (min.0 > max.0 || min.1 > max.1) {
+            let is_sure = at.is_sure("min") && at.is_sure("max");
+            if fine && is_sure && (min.0 > max.0 || min.1 > max.1) {
                 let message = format!("not above and to the right of min ({max:?})");
                 at.add("max", message, "swap the corners");
             }
@@ -81,7 +82,7 @@ pub(super) fn select(at: &mut At, select: &Select) {
             at.at_least_one("[0]", *contacts, "a number of contacts");
         }
         Select::Union(_) | Select::Intersection(_) | Select::Except(..) => {
-            if select.parts().is_empty() {
+            if select.parts().is_empty() && at.is_sure("") {
                 at.add("", "a set of no selections", "give one or more");
             }
             for (i, part) in select.parts().into_iter().enumerate() {

@@ -39,9 +39,7 @@ pub(super) fn check(at: &mut At) {
         at.at_least_one("solver.max_iterations", max_iterations, "a number");
     }
     let acceptance = scene.acceptance;
-    if let Some(residual) = acceptance.residual {
-        at.within("acceptance.residual", residual, domain::RESIDUAL);
-    }
+    at.within("acceptance.residual", acceptance.residual, domain::RESIDUAL);
     at.within("acceptance.turn", acceptance.turn, domain::TURN);
     if acceptance.halvings > MOST_HALVINGS {
         let message = format!("out of range ({})", acceptance.halvings);

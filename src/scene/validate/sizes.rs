@@ -22,7 +22,7 @@ pub(super) fn check_sizes(at: &mut At, sizes: &Sizes) -> Option<(f64, f64)> {
             ranged
         }
     };
-    sizes.limits().filter(|_| fine)
+    sizes.limits().filter(|_| fine && at.is_sure(""))
 }
 
 /// Checks a sieve curve.
@@ -53,7 +53,8 @@ fn curve(at: &mut At, passing: &[(f64, f64)]) -> bool {
         at.add(format_args!("[{}]", i + 1), message, help);
         return false;
     }
-    for (i, next, wanted, what) in [(0, 1, 0.0, "smallest"), (n - 1, n - 2, 100.0, "largest")] {
+    let ends = [(0, 1, 0.0, "smallest"), (n - 1, n - 2, 100.0, "largest")];
+    for (i, _, wanted, what) in ends {
         let percent = passing[i].1;
         if percent != wanted {
             let message = format!("{percent:?} % pass the {what} diameter");
@@ -61,6 +62,8 @@ fn curve(at: &mut At, passing: &[(f64, f64)]) -> bool {
             at.add(format_args!("[{i}]"), message, help);
             return false;
         }
+    }
+    for (i, next, wanted, _) in ends {
         if passing[next].1 == wanted {
             let help = "leave it out: the curve ends at the first 0 % and the first 100 %";
             at.add(format_args!("[{i}]"), "a step without mass at an end", help);
