@@ -14,6 +14,7 @@ use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{
     BodyAngularVelocity, BodyId, BodyPosition, BodyRotation, BodyVelocity,
 };
+use clastic::components::increment::Acceptance;
 use clastic::components::observation::{Observation, ProbeReading};
 use clastic::components::particle::Particle;
 use clastic::run::{Outcome, Simulation, Step};
@@ -60,12 +61,15 @@ pub fn step(simulation: &mut Simulation) -> Option<Observation> {
 
 /// Runs one increment and returns its record; `None` at the end of the run.
 ///
-/// # Panics If an increment is neither solved nor collapsed, or has a residual above 1e-8.
+/// # Panics
+/// If an increment is neither solved nor collapsed, or has a residual above the accepted one, 1e-8 by
+/// default.
 pub fn next(simulation: &mut Simulation) -> Option<Observation> {
     let record = step(simulation)?;
     let n = record.increment;
     if record.status == IncrementStatus::Solved {
-        assert!(record.residuals.worst() <= 1e-8, "increment {n}: {:?}", record.residuals);
+        let accepted = simulation.world().resource::<Acceptance>().residual;
+        assert!(record.residuals.worst() <= accepted, "increment {n}: {:?}", record.residuals);
     }
     let fine = [IncrementStatus::Solved, IncrementStatus::Collapsed].contains(&record.status);
     assert!(fine, "increment {n} {}", record.status.name());
