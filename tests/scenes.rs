@@ -9,11 +9,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use bevy_ecs::prelude::With;
-use clastic::cone::program::ConeSolution;
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
+use clastic::cone::program::ConeSolution;
 use clastic::output::{self, Ending, OutputPlugin, RunOptions};
 use clastic::run::save::SavedStates;
 use clastic::run::{Simulation, Step};

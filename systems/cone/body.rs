@@ -45,7 +45,6 @@ pub struct ProgramBody {
 
 impl ProgramBody {
     /// Whether any of its displacements is unknown.
-    #[must_use]
     pub fn is_free(&self) -> bool {
         self.free().next().is_some()
     }
@@ -57,7 +56,6 @@ impl ProgramBody {
     }
 
     /// A displacement in the body's own axes turned into (x, y, rotation).
-    #[must_use]
     pub fn to_global(&self, local: [f64; 3]) -> [f64; 3] {
         let v = self.axis * local[0] + self.axis.perp() * local[1];
         [v.x, v.y, local[2]]

@@ -56,14 +56,12 @@ pub struct ProgramCell {
 impl ProgramCell {
     /// Displacement of an image in excess of that of its body, m, for the displacements of the cell
     /// in global axes.
-    #[must_use]
     pub fn shift(&self, image: DVec2, u: [f64; 3]) -> DVec2 {
         DVec2::new(image.x * u[0] + image.y * self.arm * u[2], image.y * u[1])
     }
 
     /// Coefficients of the forces in the rows of the cell, in the axes of its body, for the rows of
     /// the image along x and y.
-    #[must_use]
     pub fn rows<const F: usize>(
         &self,
         image: DVec2,
@@ -100,7 +98,6 @@ pub struct Scales {
 impl Scales {
     /// Units of the three degrees of freedom of a body: displacement (m, m, rad) and force (N, N,
     /// N m).
-    #[must_use]
     pub fn units(&self) -> ([f64; 3], [f64; 3]) {
         let (u, f, l) = (self.displacement, self.force, self.length);
         ([u, u, u / l], [f, f, f * l])
@@ -135,14 +132,12 @@ pub struct ConeProgram {
 
 impl ConeProgram {
     /// Whether an interaction has strength.
-    #[must_use]
     pub fn has_bonds(&self) -> bool {
         self.interactions.iter().any(|c| c.limits.has_strength())
     }
 
     /// Closing, slip and relative rotation of interaction `c` for the displacements `u` by body,
     /// in the bodies' own axes.
-    #[must_use]
     pub fn kinematics(&self, c: &Interaction, u: &[[f64; 3]]) -> Kinematics {
         let (a, b) = (c.a as usize, c.b as usize);
         let ua = self.bodies[a].to_global(u[a]);
@@ -184,7 +179,6 @@ impl ConeProgram {
 
     /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for
     /// an interaction in which no image takes part.
-    #[must_use]
     pub fn rows_of_cell(&self, c: &Interaction) -> Option<(usize, [[f64; 3]; 3])> {
         let cell = self.cell.as_ref().filter(|_| c.is_across())?;
         let body = cell.body as usize;
@@ -206,26 +200,22 @@ impl ConeProgram {
     }
 
     /// Imposed displacements by body in its own axes; zero where they are free.
-    #[must_use]
     pub fn imposed(&self) -> Vec<[f64; 3]> {
         let known = |dof| if let Dof::Fixed(u) = dof { u } else { 0.0 };
         self.bodies.iter().map(|body| body.dofs.map(known)).collect()
     }
 
     /// Whether any body was in motion when the increment began.
-    #[must_use]
     pub fn has_momentum(&self) -> bool {
         self.free().any(|free| free.momentum != 0.0)
     }
 
     /// Whether every free degree of freedom has a weight: inertia or regularisation.
-    #[must_use]
     pub fn is_damped(&self) -> bool {
         self.free().all(|free| free.inertia + free.proximal > 0.0)
     }
 
     /// Whether any body has inertia.
-    #[must_use]
     pub fn is_dynamic(&self) -> bool {
         self.free().any(|free| free.inertia > 0.0)
     }
@@ -236,7 +226,6 @@ impl ConeProgram {
     }
 
     /// Number of force variables, balance rows and limit rows that a solver needs.
-    #[must_use]
     pub fn size(&self) -> ProgramSize {
         let mut size = ProgramSize { forces: 0, inertias: 0, balance_rows: 0, limit_rows: 0 };
         for c in &self.interactions {

@@ -39,7 +39,6 @@ pub struct Residuals {
 
 impl Residuals {
     /// Maximum of the four; NaN if any of them is not finite.
-    #[must_use]
     pub fn worst(&self) -> f64 {
         let all = [self.balance, self.kinematics, self.cone, self.complementarity];
         // f64::max drops NaN, which would turn a broken solution into a perfect one.

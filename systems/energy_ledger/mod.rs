@@ -242,7 +242,12 @@ pub fn book_energies(
 
 /// Adds the kinetic energy that has come or gone since the last increment, and stores the present
 /// value. Static increments do not change velocities.
-fn exchange_kinetic(e: &mut Energies, tables: &Tables, moved: &[BookedBody], ledger: &mut EnergyLedger) {
+fn exchange_kinetic(
+    e: &mut Energies,
+    tables: &Tables,
+    moved: &[BookedBody],
+    ledger: &mut EnergyLedger,
+) {
     let bodies = tables.solved.bodies;
     let is_dynamic = matches!(tables.laws.analysis.kind, AnalysisKind::Dynamic { .. });
     let (mut start, mut end) = (0.0, 0.0);

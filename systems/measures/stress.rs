@@ -267,10 +267,7 @@ impl StressTables<'_, '_> {
 /// force is at most `residual F`. The error of a gap is at most `residual U`, which an elastic
 /// contact converts to the force `residual U / C_N`. The result is the sum over the interactions
 /// that contribute to the stress.
-pub fn stress_error(
-    In(measure): In<StressMeasure>,
-    tables: StressTables,
-) -> f64 {
+pub fn stress_error(In(measure): In<StressMeasure>, tables: StressTables) -> f64 {
     let Solved { bodies, contacts, program, solution } = tables.solved();
     let force = force_scale(program, &solution.forces);
     let motion = displacement_scale(program, &solution.displacements);

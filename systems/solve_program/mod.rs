@@ -87,12 +87,7 @@ const RESIDUAL_OF_MOTION: f64 = 1e-3;
 /// Residual at which the solver may stop, of the one that is accepted; 0 for its own default.
 /// Loading of bonds to their limits requires the default, because errors could change which bond
 /// breaks.
-fn asked(
-    accepted: f64,
-    analysis: &ClasticAnalysis,
-    attempt: &Attempt,
-    bodies: &BodyTable,
-) -> f64 {
+fn asked(accepted: f64, analysis: &ClasticAnalysis, attempt: &Attempt, bodies: &BodyTable) -> f64 {
     let is_time_step = analysis.kind.dt().is_some() && bodies.bonds.is_empty();
     if attempt.motion().is_some() || is_time_step { accepted } else { 0.0 }
 }
@@ -121,7 +116,8 @@ pub fn solve_program(
     mut solution: ResMut<ConeSolution>,
 ) {
     let accepted = acceptance.residual_of(analysis.kind, &bodies);
-    let enough = if attempt.motion().is_some() { accepted.max(RESIDUAL_OF_MOTION) } else { accepted };
+    let enough =
+        if attempt.motion().is_some() { accepted.max(RESIDUAL_OF_MOTION) } else { accepted };
     let is_sliding = sliding::law_of(&law, &analysis, &attempt, &finding).is_some();
     let tolerance = asked(enough, &analysis, &attempt, &bodies);
     let mut solve = |program: &ConeProgram| {

@@ -215,7 +215,9 @@ fn an_input_without_an_effect_is_refused_by_name() {
             "bond 0, `weld`, of bodies 1 and 99 has b = BodyId(99): give the identity of a body",
         ),
         (
-            |app, _| _ = app.insert_resource(Acceptance { residual: Some(-1.0), ..Default::default() }),
+            |app, _| {
+                _ = app.insert_resource(Acceptance { residual: Some(-1.0), ..Default::default() })
+            },
             "`Acceptance` has residual = -1.0: give a residual above 0",
         ),
         (

@@ -65,7 +65,6 @@ impl Default for Condensed {
 
 impl Condensed {
     /// A solver with these settings.
-    #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
         Self { settings, matrix: Kept::default(), last: Vec::new() }
     }

@@ -52,7 +52,6 @@ struct Contact<const F: usize> {
 
 /// Whether sweeps can find the forces: every degree of freedom has a weight, and every interaction is
 /// a contact without strength and without an image.
-#[must_use]
 pub fn applies(program: &ConeProgram) -> bool {
     let is_contact = |c: &Interaction| !c.limits.has_strength() && c.limits.moment == 0.0;
     program.cell.is_none() && program.is_damped() && program.interactions.iter().all(is_contact)
@@ -60,7 +59,6 @@ pub fn applies(program: &ConeProgram) -> bool {
 
 /// The solution of a program to which sweeps apply after sweeps from the forces of the last increment,
 /// with the displacements that balance its forces; stalled if its residual exceeds the tolerance.
-#[must_use]
 pub fn sweep(program: &ConeProgram, law: SlidingLaw, tolerance: f64) -> ConeSolution {
     let scaled = Scaled::natural(program);
     if scaled.locals.iter().any(|l| l.has[2]) {

@@ -40,13 +40,11 @@ pub struct Goal {
 impl Goal {
     /// A residual within the tolerance, from where the iteration goes on while it gains much: a
     /// product within the tolerance leaves its square root in the forces.
-    #[must_use]
     pub fn exact(tolerance: f64) -> Self {
         Self { tolerance, at_once: false }
     }
 
     /// The first point with a residual within the tolerance.
-    #[must_use]
     pub fn enough(tolerance: f64) -> Self {
         Self { tolerance, at_once: true }
     }
@@ -61,7 +59,6 @@ pub struct Coulomb {
 
 impl Coulomb {
     /// A solver with these settings.
-    #[must_use]
     pub fn new(settings: CoulombSettings) -> Self {
         Self { settings, ..Self::default() }
     }
@@ -72,7 +69,6 @@ impl Coulomb {
     /// `None` where sweeps do not apply, where bodies sleep, which the associated solver leaves out,
     /// and where nothing slides: both laws then have the same solution, and the associated one is the
     /// more exact. `moved` are the displacements of the last solution, m and rad.
-    #[must_use]
     pub fn sweep(
         program: &ConeProgram,
         moved: &[[f64; 3]],

@@ -20,7 +20,6 @@ impl<'a> Carrying<'a> {
     /// In statics an interaction carries a force above 1e-9 of the maximum force. In dynamics a
     /// solution may have products up to the tolerance, and the force must also exceed the gap, each
     /// over its maximum.
-    #[must_use]
     pub fn new(program: &'a ConeProgram, solution: &'a ConeSolution) -> Self {
         let force = force_scale(program, &solution.forces);
         let dynamic = program.is_dynamic();
@@ -32,7 +31,6 @@ impl<'a> Carrying<'a> {
     }
 
     /// Whether interaction `k` carries a normal force.
-    #[must_use]
     pub fn is_carrying(&self, k: usize) -> bool {
         let (c, f) = (&self.program.interactions[k], &self.solution.forces[k]);
         let p = f[0].abs();

@@ -37,7 +37,6 @@ pub struct Multipliers {
 
 /// The multipliers under a law that follow from the kinematics `e` and the forces `f` of an
 /// interaction.
-#[must_use]
 pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
     let slip = if l.has_shear() {
@@ -58,14 +57,12 @@ pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3
 
 /// The four residuals of a solution. The force of a regularisation counts as an error of the
 /// balance.
-#[must_use]
 pub fn residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 0.0)
 }
 
 /// The residuals of the program that the solver was given: the force of a regularisation is part of
 /// the balance.
-#[must_use]
 pub fn regularised_residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 1.0)
 }
@@ -134,7 +131,6 @@ fn each(
 /// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
 /// balance, else the two bodies of an interaction. `None` for a solution without forces and
 /// displacements.
-#[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
     let ConeSolution { forces, displacements, .. } = solution;
     if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
@@ -159,7 +155,6 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
 /// ```
 ///
 /// Unlike a product of force and gap it is not small where both are small and neither vanishes.
-#[must_use]
 pub fn natural_map(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);

@@ -72,7 +72,6 @@ use super::settings::InteriorSettings;
 /// Runs the method from displacements and forces, without forces from the elastic trial at the
 /// displacements, until the judge accepts a point near the goal or a proof, or the residual no
 /// longer falls.
-#[must_use]
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,

@@ -83,20 +83,17 @@ pub struct Goal {
 
 impl Goal {
     /// The goal is this residual, or a slightly larger one where the method is slow.
-    #[must_use]
     pub fn exact(residual: f64) -> Self {
         Self { residual, at_once: false, decided: None, in_middle: false }
     }
 
     /// The goal with a solution that decides of every limit whether it is active: the smaller of
     /// slack and multiplier is at most `size`. A solution `in_middle` stays as it is.
-    #[must_use]
     pub fn decided(self, size: f64, in_middle: bool) -> Self {
         Self { decided: Some(size), in_middle, ..self }
     }
 
     /// The goal is the first point that solves the program, or this residual.
-    #[must_use]
     pub fn enough(residual: f64) -> Self {
         Self { residual, at_once: true, decided: None, in_middle: false }
     }
