@@ -349,11 +349,11 @@ impl<'a> Iteration<'a> {
         self.matrix.solve(&mut corrector[..n]);
         self.program.images.spread(corrector);
         let (rho, dk) = self.step_of_tau(target, of_tau);
-        let (of_residuals, of_products) = (1.0 + rho, 1.0 + 2.0 * rho);
+        let parts = [1.0 + rho, 1.0 + 2.0 * rho];
         let sum = |of: &[Vec<[f64; 3]>; 3], to: &mut [[f64; 3]]| {
             for (i, to) in to.iter_mut().enumerate() {
                 for k in 0..3 {
-                    to[k] = of_residuals * of[0][i][k] + of_products * of[1][i][k] + of[2][i][k];
+                    to[k] = parts[0] * of[0][i][k] + parts[1] * of[1][i][k] + of[2][i][k];
                 }
             }
         };
@@ -362,7 +362,7 @@ impl<'a> Iteration<'a> {
         self.refine();
         let Self { groups, du, .. } = self;
         let mut ahead = groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, of_residuals, of_products, rho, ahead));
+            for_each!(cell of cells => cell.set_step(du, parts, rho, ahead));
         });
         if self.is_embedded {
             ahead.take(1.0, self.k, rho, dk);
@@ -399,7 +399,7 @@ impl<'a> Iteration<'a> {
         self.refine();
         let Self { groups, du, .. } = self;
         groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, 1.0, 1.0, 0.0, ahead));
+            for_each!(cell of cells => cell.set_step(du, [1.0; 2], 0.0, ahead));
         });
         let is_finite = self.make_step(1.0, 0.0, 0.0);
         self.update_residuals();

@@ -69,16 +69,25 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
     }
 }
 
-/// Slacks and multipliers of the limits. They are positive.
+/// Forces, slacks and multipliers of one interaction, or their steps. At a point slacks and
+/// multipliers are positive.
 #[derive(Clone, Copy, Debug)]
-pub struct Slacks<const Q: usize> {
-    /// Slacks w.
+pub struct Variables<const F: usize, const Q: usize> {
+    /// Forces.
+    pub s: [f64; F],
+    /// Slacks w of the limits.
     pub w: [f64; Q],
-    /// Multipliers lambda.
+    /// Multipliers lambda of the limits.
     pub lambda: [f64; Q],
 }
 
-impl<const Q: usize> Slacks<Q> {
+impl<const F: usize, const Q: usize> Default for Variables<F, Q> {
+    fn default() -> Self {
+        Self { s: [0.0; F], w: [0.0; Q], lambda: [0.0; Q] }
+    }
+}
+
+impl<const F: usize, const Q: usize> Variables<F, Q> {
     /// Sets slack and multiplier of a limit to this difference, `w - lambda`, and product.
     #[inline]
     pub fn set(&mut self, q: usize, difference: f64, product: f64) {
@@ -86,26 +95,15 @@ impl<const Q: usize> Slacks<Q> {
         self.lambda[q] = product / self.w[q];
     }
 
+    /// Slack and multiplier of a limit.
+    #[inline]
+    pub fn limit(&self, q: usize) -> (f64, f64) {
+        (self.w[q], self.lambda[q])
+    }
+
     /// Products `w lambda`.
     #[inline]
     pub fn products(&self) -> [f64; Q] {
         std::array::from_fn(|q| self.w[q] * self.lambda[q])
-    }
-}
-
-/// Steps of the forces, slacks and multipliers of one interaction.
-#[derive(Clone, Copy, Debug)]
-pub struct Step<const F: usize, const Q: usize> {
-    /// Steps of the forces.
-    pub s: [f64; F],
-    /// Steps of the slacks.
-    pub w: [f64; Q],
-    /// Steps of the multipliers.
-    pub lambda: [f64; Q],
-}
-
-impl<const F: usize, const Q: usize> Default for Step<F, Q> {
-    fn default() -> Self {
-        Self { s: [0.0; F], w: [0.0; Q], lambda: [0.0; Q] }
     }
 }

@@ -194,7 +194,7 @@ impl<A: Arithmetic> Factor<A> {
     ) -> bool {
         let Self { parts, current, updates, instructions } = self;
         let shared = parts.len() > 1;
-        let has_factor = upward(&fronts.sizes, parts, &|task, below, part| {
+        let has_factor = upward(0, &fronts.sizes, parts, &|task, below, part| {
             let of_task = &fronts.tasks[task];
             part.updates = updates.take(of_task.update_len.iter().sum());
             if let Some(right) = right {
@@ -222,7 +222,7 @@ impl<A: Arithmetic> Factor<A> {
     /// Forward solve with the last factor.
     pub fn forward(&mut self, fronts: &Fronts, right: &[[f64; 3]]) {
         let Self { parts, current, instructions, .. } = self;
-        upward(&fronts.sizes, parts, &|task, below, part| {
+        upward(0, &fronts.sizes, parts, &|task, below, part| {
             gather_below(fronts, task, right, below, &mut part.work);
             current.with(|current| {
                 instructions.dispatch(Solve { fronts, task, part, current, backward: false });
@@ -236,7 +236,7 @@ impl<A: Arithmetic> Factor<A> {
         let Self { parts, current, instructions, .. } = self;
         let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
         let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
-        downward(&fronts.sizes, &mut parts, &|task, above, (part, x)| {
+        downward(0, &fronts.sizes, &mut parts, None, &|task, above, (part, x)| {
             if let Some((above, _)) = above {
                 let task = &fronts.tasks[task];
                 let places = &fronts.beyond_above[task.beyond.clone()];

@@ -6,19 +6,10 @@
 
 use super::super::parallel::join;
 
-/// Calls `f` for every task with its number, the data of the other tasks in its subtree, and its
-/// own: for those below a task first. Returns whether all calls returned true; a task above one
-/// that did not is left out.
+/// Calls `f` for every task of complete subtrees, whose tasks are counted from `first`, with its
+/// number, the data of the other tasks in its subtree, and its own: for those below a task first.
+/// Returns whether all calls returned true; a task above one that did not is left out.
 pub fn upward<T: Send + Sync>(
-    sizes: &[usize],
-    data: &mut [T],
-    f: &(impl Fn(usize, &mut [T], &mut T) -> bool + Sync),
-) -> bool {
-    upward_from(0, sizes, data, f)
-}
-
-/// As [`upward`], for complete subtrees whose tasks are counted from `first`.
-fn upward_from<T: Send + Sync>(
     first: usize,
     sizes: &[usize],
     data: &mut [T],
@@ -27,29 +18,19 @@ fn upward_from<T: Send + Sync>(
     let Some(size) = sizes.last() else { return true };
     let at = sizes.len() - size;
     let (before, subtree) = data.split_at_mut(at);
-    let others = || upward_from(first, &sizes[..at], before, f);
+    let others = || upward(first, &sizes[..at], before, f);
     let last = || {
         let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
         let first = first + at;
-        upward_from(first, &sizes[at..sizes.len() - 1], below, f)
-            && f(first + below.len(), below, own)
+        upward(first, &sizes[at..sizes.len() - 1], below, f) && f(first + below.len(), below, own)
     };
     let (others, last) = join(at > 0, others, last);
     others && last
 }
 
-/// Calls `f` for every task with its number, the data of the task above it, and its own: for the
-/// task above first.
+/// Calls `f` for every task of complete subtrees, whose tasks are counted from `first`, with its
+/// number, the data of the task `above` it, and its own: for the task above first.
 pub fn downward<T: Send + Sync>(
-    sizes: &[usize],
-    data: &mut [T],
-    f: &(impl Fn(usize, Option<&T>, &mut T) + Sync),
-) {
-    downward_from(0, sizes, data, None, f);
-}
-
-/// As [`downward`], for complete subtrees below one task.
-fn downward_from<T: Send + Sync>(
     first: usize,
     sizes: &[usize],
     data: &mut [T],
@@ -59,12 +40,12 @@ fn downward_from<T: Send + Sync>(
     let Some(size) = sizes.last() else { return };
     let at = sizes.len() - size;
     let (before, subtree) = data.split_at_mut(at);
-    let others = || downward_from(first, &sizes[..at], before, above, f);
+    let others = || downward(first, &sizes[..at], before, above, f);
     let last = || {
         let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
         let first = first + at;
         f(first + below.len(), above, own);
-        downward_from(first, &sizes[at..sizes.len() - 1], below, Some(own), f);
+        downward(first, &sizes[at..sizes.len() - 1], below, Some(own), f);
     };
     join(at > 0, others, last);
 }
