@@ -21,7 +21,6 @@ mod newton;
 mod parallel;
 mod posed;
 mod reduced;
-pub(crate) mod refinement;
 pub mod response;
 mod rolling_spring;
 #[cfg(test)]

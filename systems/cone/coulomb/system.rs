@@ -5,7 +5,6 @@ use crate::program::ConeProgram;
 
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
-use super::super::condensed::refinement::refine;
 use super::super::condensed::scaled::Scaled;
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
@@ -168,9 +167,7 @@ impl<'a> System<'a> {
     /// Solves the condensed system, with refinement.
     fn solve_bodies(&mut self, right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         let mut x = right.clone();
-        let n = self.program.free.len();
-        self.matrix.solve(&mut x[..n]);
-        self.program.images.spread(&mut x);
+        self.matrix.solve(&mut x);
         let scale = max_magnitude(&right);
         let Self { program, cells, matrix, linear, refined, .. } = self;
         let set = |x: &[[f64; 3]], defect: &mut [[f64; 3]]| {
@@ -185,8 +182,7 @@ impl<'a> System<'a> {
                 cell.arms.add_forces(&s, -1.0, defect);
             }
         };
-        let enough = *refined * scale;
-        refine(&program.images, n, enough, &mut x, &mut right.clone(), set, |x| matrix.solve(x));
+        matrix.refine(*refined * scale, &mut x, &mut right.clone(), set);
         x
     }
 }

@@ -7,7 +7,6 @@ use super::groups::Groups;
 use super::point::{Interior, Warm, max_magnitude, part_of_way};
 use crate::condensed::MIN_FORCE;
 use crate::condensed::matrix::BodyMatrix;
-use crate::condensed::refinement::refine;
 use crate::condensed::scaled::{Local, Scaled};
 use crate::condensed::settings::InteriorSettings;
 
@@ -265,7 +264,6 @@ impl<'a> Iteration<'a> {
     /// a factor.
     pub fn respond(&mut self) -> bool {
         let Self { program, matrix, groups, rights, responses, u, .. } = self;
-        let n = program.free.len();
         let [a, b, _] = responses;
         if !self.is_embedded {
             // Both responses have the same factor: one solve serves their sum.
@@ -277,16 +275,14 @@ impl<'a> Iteration<'a> {
             }
         }
         a.clone_from(&rights[0]);
-        if !matrix.factorise_shifted_and_solve(&mut a[..n]) {
+        if !matrix.factorise_shifted_and_solve(a) {
             return false;
         }
-        program.images.spread(a);
         if !self.is_embedded {
             return true;
         }
         b.clone_from(&rights[1]);
-        matrix.solve(&mut b[..n]);
-        program.images.spread(b);
+        matrix.solve(b);
         let (a, b) = (&*a, &*b);
         let square = |i: usize, k: usize| {
             (program.weight[i][k] + self.proximal) * (a[i][k] + 2.0 * b[i][k]).powi(2)
@@ -337,7 +333,6 @@ impl<'a> Iteration<'a> {
     /// Solves for the corrector, and moves the point along the whole step, up to a part of the
     /// distance to the boundary. Returns whether the step is a number.
     pub fn correct(&mut self, target: f64, of_tau: f64) -> bool {
-        let n = self.program.free.len();
         let right = &mut self.rights[2];
         right.fill([0.0; 3]);
         self.groups.scatter(right, |cells, right| {
@@ -346,8 +341,7 @@ impl<'a> Iteration<'a> {
         self.program.images.fold(right);
         let corrector = &mut self.responses[2];
         corrector.clone_from(right);
-        self.matrix.solve(&mut corrector[..n]);
-        self.program.images.spread(corrector);
+        self.matrix.solve(corrector);
         let (rho, dk) = self.step_of_tau(target, of_tau);
         let parts = [1.0 + rho, 1.0 + 2.0 * rho];
         let sum = |of: &[Vec<[f64; 3]>; 3], to: &mut [[f64; 3]]| {
@@ -392,10 +386,9 @@ impl<'a> Iteration<'a> {
             *right = std::array::from_fn(|k| r[k] + p[k]);
         }
         self.du.clone_from(&self.right);
-        if !self.matrix.factorise_shifted_and_solve(&mut self.du[..self.program.free.len()]) {
+        if !self.matrix.factorise_shifted_and_solve(&mut self.du) {
             return false;
         }
-        self.program.images.spread(&mut self.du);
         self.refine();
         let Self { groups, du, .. } = self;
         groups.sum(Ahead::default(), |cells, ahead| {
@@ -458,8 +451,7 @@ impl<'a> Iteration<'a> {
                 for_each!(cell of cells => cell.take_away(du, defect));
             });
         };
-        let enough = SOLVE_ROUND_OFF * force;
-        refine(&program.images, n, enough, du, defect, set, |x| matrix.solve(x));
+        matrix.refine(SOLVE_ROUND_OFF * force, du, defect, set);
     }
 }
 

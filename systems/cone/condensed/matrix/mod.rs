@@ -31,6 +31,7 @@ use self::layout::PairPlace;
 pub(super) use self::layout::places;
 pub(crate) use self::lu::Lu;
 use super::images::{self, Images};
+use super::interior::max_magnitude;
 use super::parallel::{in_pool, split};
 use super::scaled::Scaled;
 use crate::program::ConeProgram;
@@ -38,6 +39,9 @@ use crate::program::ConeProgram;
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
 /// round-off, and more where that is not enough.
 const SHIFTS: [f64; 3] = [1e-14, 1e-12, 1e-10];
+
+/// Maximum number of refinements of a linear solve.
+const MAX_REFINEMENTS: usize = 8;
 
 /// A matrix, its factor, and the data that depend on its pattern only.
 pub struct Matrix<A: Arithmetic> {
@@ -185,14 +189,41 @@ impl<A: Arithmetic> Matrix<A> {
         factor.factorise(fronts, Values { bodies, pairs }, right)
     }
 
-    /// Solves in place with the last factor, after the factorisation has returned true. `x` is in
-    /// the order of elimination.
+    /// Solves in place with the last factor, after the factorisation has returned true. `x` has the
+    /// bodies in the order of elimination, and then the images of the program.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
         let Self { fronts, factor, .. } = self;
         in_pool(factor.is_shared(), || {
             factor.forward(fronts, x);
             factor.backward(fronts, x);
         });
+        self.images.spread(x);
+    }
+
+    /// Refines a solution until its defect is at most `enough` or a refinement does not halve it:
+    /// round-off of the factor must not become an error of the step. `set` sets the defect of a
+    /// solution, in the rows of bodies and images.
+    pub(crate) fn refine(
+        &mut self,
+        enough: f64,
+        x: &mut [[f64; 3]],
+        defect: &mut [[f64; 3]],
+        mut set: impl FnMut(&[[f64; 3]], &mut [[f64; 3]]),
+    ) {
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_REFINEMENTS {
+            set(x, defect);
+            self.images.fold(defect);
+            let now = max_magnitude(&defect[..self.bodies.len()]);
+            if now <= enough || !(now <= 0.5 * last) {
+                return;
+            }
+            last = now;
+            self.solve(defect);
+            for (x, d) in x.as_flattened_mut().iter_mut().zip(defect.as_flattened()) {
+                *x += d;
+            }
+        }
     }
 }
 
@@ -204,13 +235,14 @@ impl BodyMatrix {
         self.bodies.iter().flat_map(on_diagonal).fold(0.0, f64::max)
     }
 
-    /// Factorises, and solves in place; whether the matrix was positive definite. If not, `x` stays
-    /// as it was. `x` is in the order of elimination.
+    /// Factorises, and solves in place as [`solve`](Self::solve); whether the matrix was positive
+    /// definite. If not, `x` stays as it was.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
         let definite = self.factorise_with(Some(x));
         if definite {
             self.factor.backward(&self.fronts, x);
+            self.images.spread(x);
         }
         definite
     }
