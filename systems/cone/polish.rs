@@ -18,7 +18,7 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettings};
 
-use super::lowering::{Lowered, Triplets};
+use super::clarabel::{Lowered, Triplets};
 use super::residuals::regularised_residuals;
 use crate::program::{ConeProgram, ConeSolution};
 

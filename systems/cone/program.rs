@@ -1,4 +1,4 @@
-//! The cone program of one increment, the input of every solver.
+//! The cone program of one increment, the input of every solver, and its solution.
 //!
 //! Unknowns are the forces (p, q, tau) of every interaction; the displacements are the
 //! multipliers of the balance rows. With m the inertia weights,
@@ -33,9 +33,66 @@ use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-pub use crate::body::{Dof, FreeDof, ProgramBody};
 pub use crate::interaction::{Interaction, Limits, SlidingLaw};
-pub use crate::solution::{Certificate, ConeSolution, Residuals, SolveStatus};
+
+/// One degree of freedom of a body of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Dof {
+    /// Its displacement is known: imposed, held, or zero because no force acts on it.
+    Fixed(f64),
+    /// Its displacement is unknown and its balance is a row of the program.
+    Free(FreeDof),
+}
+
+/// A degree of freedom with a balance row `inertia u + proximal (u - reference) + G f = load`.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct FreeDof {
+    /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
+    pub load: f64,
+    /// The part `inertia v_0 dt` of the load. It stands for the motion at the start of the
+    /// increment and counts as no force in the residuals.
+    pub momentum: f64,
+    /// Inertia `m / (theta dt^2)`, N/m (moments: N m/rad); 0 in static analysis.
+    pub inertia: f64,
+    /// Weight of the regularisation of a motion without stiffness, N/m (N m/rad); 0 otherwise.
+    /// Its force is an error of the balance and is counted as such in the residuals.
+    pub proximal: f64,
+    /// Motion that the regularisation pulls to, m (rad).
+    pub reference: f64,
+}
+
+/// A body of the program. Its translations are along `axis` and along `axis` turned by +90
+/// degrees, so that a wall that moves along its normal has one translation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct ProgramBody {
+    /// Unit vector of the first translation.
+    pub axis: DVec2,
+    /// First translation, second translation, rotation.
+    pub dofs: [Dof; 3],
+}
+
+impl ProgramBody {
+    /// Whether any of its displacements is unknown.
+    pub fn is_free(&self) -> bool {
+        self.free().next().is_some()
+    }
+
+    /// Its degrees of freedom whose displacements are unknown, with their numbers.
+    pub fn free(&self) -> impl Iterator<Item = (usize, &FreeDof)> {
+        let dofs = self.dofs.iter().enumerate();
+        dofs.filter_map(|(k, dof)| if let Dof::Free(free) = dof { Some((k, free)) } else { None })
+    }
+
+    /// A displacement in the body's own axes turned into (x, y, rotation).
+    pub fn to_global(&self, local: [f64; 3]) -> [f64; 3] {
+        let v = self.axis * local[0] + self.axis.perp() * local[1];
+        [v.x, v.y, local[2]]
+    }
+}
 
 /// The deformation of a periodic cell as a body of the program.
 ///
@@ -252,4 +309,87 @@ pub struct ProgramSize {
     pub balance_rows: usize,
     /// Limit rows.
     pub limit_rows: usize,
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum SolveStatus {
+    /// Optimal to the residuals that stand beside it.
+    Solved,
+    /// No forces balance the loads within the limits: the certificate is the mechanism.
+    Collapsed,
+    /// Rigid bodies with no feasible motion: the forces are unbounded.
+    Locked,
+    /// Neither was reached.
+    #[default]
+    Stalled,
+}
+
+/// KKT residuals of a solution: the maximum over all rows of each kind, without dimension.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Residuals {
+    /// |balance row| over the maximum force (moments: over force x mean radius).
+    pub balance: f64,
+    /// |stationarity row| over the maximum displacement.
+    pub kinematics: f64,
+    /// Violation of a limit over the maximum force.
+    pub cone: f64,
+    /// Slack x multiplier over force x displacement.
+    pub complementarity: f64,
+}
+
+impl Residuals {
+    /// Maximum of the four; NaN if any of them is not finite.
+    pub fn worst(&self) -> f64 {
+        let all = [self.balance, self.kinematics, self.cone, self.complementarity];
+        // f64::max drops NaN, which would turn a broken solution into a perfect one.
+        if all.iter().any(|r| !r.is_finite()) {
+            f64::NAN
+        } else {
+            all.iter().copied().fold(0.0, f64::max)
+        }
+    }
+}
+
+/// Proof that no forces balance the loads: a mechanism along which the loads do more work than
+/// the limits can dissipate.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Certificate {
+    /// Displacements of the mechanism by body, in the bodies' own axes; the maximum component is 1.
+    pub mechanism: Vec<[f64; 3]>,
+    /// Work of the loads less the maximum dissipation, over the work of the loads. A positive
+    /// margin proves the collapse, up to the defect.
+    pub margin: f64,
+    /// Maximum violation of the mechanism's kinematic conditions over its maximum motion.
+    pub defect: f64,
+}
+
+/// The solution of a program.
+#[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(all(feature = "bevy", feature = "reflect"), reflect(Resource))]
+pub struct ConeSolution {
+    /// How it ended.
+    pub status: SolveStatus,
+    /// The law that the forces and displacements solve.
+    pub law: SlidingLaw,
+    /// Maximum residual with which it counts as a solution.
+    pub tolerance: f64,
+    /// The solver's own words about how it ended.
+    pub message: String,
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Residuals that our own code computed from the forces and displacements.
+    pub residuals: Residuals,
+    /// (p, q, tau) of every interaction, N, N, N m.
+    pub forces: Vec<[f64; 3]>,
+    /// Displacements by body in the bodies' own axes, m, m, rad.
+    pub displacements: Vec<[f64; 3]>,
+    /// Mechanism of a collapse.
+    pub certificate: Option<Certificate>,
 }

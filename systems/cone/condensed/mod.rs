@@ -173,7 +173,6 @@ impl Condensed {
         tolerance: f64,
         start: &[[f64; 3]],
     ) -> ConeSolution {
-        let mut iterations = 0;
         let demand = Demand::of(program, tolerance, &self.settings);
         // Without momentum the last forces do not belong to a continuing motion.
         let continues = !program.last_forces.is_empty() && program.has_momentum();
@@ -188,14 +187,14 @@ impl Condensed {
         };
         let mut posed = Posed::new(program, &self.settings, matrix, demand);
         if let Some(swept) = swept {
-            let solution = posed.interior_after(&swept, &mut iterations);
+            let solution = posed.interior_after(&swept);
             if solution.status == SolveStatus::Solved {
                 return solution;
             }
         }
         let (mut start, mut forces) = (posed.in_units(start), None);
         if newton::applies(&posed.scaled) {
-            let (result, solution) = posed.newton(&start, &mut iterations);
+            let (result, solution) = posed.newton(&start);
             if solution.status == SolveStatus::Solved {
                 return solution;
             }
@@ -208,7 +207,7 @@ impl Condensed {
             start.fill([0.0; 3]);
             forces = Some(forces_in_units(program, &program.last_forces));
         }
-        posed.interior(&start, forces.as_deref(), &mut iterations)
+        posed.interior(&start, forces.as_deref())
     }
 }
 
@@ -223,30 +222,4 @@ fn is_elastic_step(program: &ConeProgram, demand: Demand) -> bool {
         && !program.is_dynamic()
         && program.is_damped()
         && is_elastic()
-}
-
-/// The solution with these forces, in units of the program's scales, and displacements, m and rad.
-/// It is solved if its residual is within the tolerance. Displacements with inertia follow from the
-/// forces, as in the motion that is committed.
-fn checked(
-    program: &ConeProgram,
-    forces: &[[f64; 3]],
-    displacements: Vec<[f64; 3]>,
-    tolerance: f64,
-    iterations: u32,
-    message: &str,
-) -> ConeSolution {
-    let (_, df) = program.scales.units();
-    let mut solution = ConeSolution {
-        status: SolveStatus::Stalled,
-        forces: forces.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect(),
-        displacements,
-        iterations,
-        message: message.to_owned(),
-        ..ConeSolution::default()
-    };
-    if choose_displacements(program, &mut solution, tolerance).worst() <= tolerance {
-        solution.status = SolveStatus::Solved;
-    }
-    solution
 }

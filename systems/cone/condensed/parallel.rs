@@ -51,27 +51,16 @@ pub fn split<T>(slice: &mut [T], ranges: impl Iterator<Item = Range<usize>>) -> 
     pieces
 }
 
-/// Working memory that one thread at a time uses. A thread that waits for others may begin other
-/// work in between, so that the memory belongs to the work, not to the thread.
+/// Working memory of threads. A thread that waits for others may begin other work in between, so that
+/// the memory belongs to the work, not to the thread.
 #[derive(Default)]
-pub struct Lent<T>(Mutex<Vec<T>>);
+pub struct Memory(Mutex<Vec<Vec<f64>>>);
 
-impl<T: Default> Lent<T> {
-    fn free(&self) -> MutexGuard<'_, Vec<T>> {
+impl Memory {
+    fn free(&self) -> MutexGuard<'_, Vec<Vec<f64>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Calls `f` with memory that is not in use.
-    pub fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> R {
-        let last = self.free().pop();
-        let mut memory = last.unwrap_or_default();
-        let result = f(&mut memory);
-        self.free().push(memory);
-        result
-    }
-}
-
-impl Lent<Vec<f64>> {
     /// At least `len` numbers of any value: those that fit best. If none fit, the longest make room
     /// for new ones, so that no more pieces are kept than were ever in use at once.
     pub fn take(&self, len: usize) -> Vec<f64> {

@@ -13,7 +13,7 @@ use super::dense::LANES;
 use super::fronts::{Front, Fronts, Task};
 use super::schedule::{downward, upward};
 use super::share::{By, Share, dispatch};
-use crate::condensed::parallel::{Lent, split};
+use crate::condensed::parallel::{Memory, split};
 
 /// The factor of a task, and the arithmetic of its fronts. All functions are inlined into a caller
 /// that is compiled for the instructions of the machine.
@@ -131,26 +131,15 @@ struct Part<A> {
     /// Right side and solution of its bodies, then of those beyond: the task adds to the right side
     /// of those, and needs their solution.
     work: Vec<[f64; 3]>,
-    /// Length of the numbers of its largest fronts.
+    /// Numbers of two kinds that its largest fronts need, and of the right side and solution of a front.
     room: [usize; 3],
-}
-
-/// Numbers of the front that is being eliminated, and its right side and solution.
-type Current = [Vec<f64>; 3];
-
-fn fit(current: &mut Current, room: &[usize; 3]) {
-    for (numbers, len) in current.iter_mut().zip(room) {
-        if numbers.len() < *len {
-            *numbers = vec![0.0; *len];
-        }
-    }
 }
 
 /// The factor of a matrix.
 pub struct Factor<A: Arithmetic> {
     parts: Vec<Part<A>>,
-    current: Lent<Current>,
-    updates: Lent<Vec<f64>>,
+    /// For updates and for the numbers of fronts.
+    memory: Memory,
     instructions: Arch,
 }
 
@@ -167,12 +156,8 @@ impl<A: Arithmetic> Factor<A> {
             let (factor, work) = (A::new(fronts, task), vec![[0.0; 3]; task.bodies()]);
             Part { factor, updates: Vec::new(), work, room }
         };
-        Self {
-            parts: fronts.tasks.iter().map(part).collect(),
-            current: Lent::default(),
-            updates: Lent::default(),
-            instructions: Arch::new(),
-        }
+        let parts = fronts.tasks.iter().map(part).collect();
+        Self { parts, memory: Memory::default(), instructions: Arch::new() }
     }
 
     /// Whether there is work for several threads.
@@ -192,48 +177,50 @@ impl<A: Arithmetic> Factor<A> {
         values: Values<A::Body, A::Pair>,
         right: Option<&[[f64; 3]]>,
     ) -> bool {
-        let Self { parts, current, updates, instructions } = self;
+        let Self { parts, memory, instructions } = self;
         let shared = parts.len() > 1;
         let has_factor = upward(0, &fronts.sizes, parts, &|task, below, part| {
             let of_task = &fronts.tasks[task];
-            part.updates = updates.take(of_task.update_len.iter().sum());
+            part.updates = memory.take(of_task.update_len.iter().sum());
             if let Some(right) = right {
                 gather_below(fronts, task, right, below, &mut part.work);
             }
             let solves = right.is_some();
-            let has_factor = current.with(|current| {
-                let below = &*below;
-                let work = Eliminate { fronts, values, task, part, below, current, solves };
-                dispatch(*instructions, shared, work)
-            });
+            let mut room = memory.take(part.room.iter().sum());
+            let of_below = &*below;
+            let work =
+                Eliminate { fronts, values, task, part, below: of_below, room: &mut room, solves };
+            let has_factor = dispatch(*instructions, shared, work);
+            memory.give(room);
             let first_below = task - below.len();
             for other in &fronts.below[task] {
-                updates.give(take(&mut below[other - first_below].updates));
+                memory.give(take(&mut below[other - first_below].updates));
             }
             has_factor
         });
         // Those of the roots, and of all tasks below one without a factor.
         for part in parts {
-            updates.give(take(&mut part.updates));
+            memory.give(take(&mut part.updates));
         }
         has_factor
     }
 
     /// Forward solve with the last factor.
     pub fn forward(&mut self, fronts: &Fronts, right: &[[f64; 3]]) {
-        let Self { parts, current, instructions, .. } = self;
+        let Self { parts, memory, instructions } = self;
         upward(0, &fronts.sizes, parts, &|task, below, part| {
             gather_below(fronts, task, right, below, &mut part.work);
-            current.with(|current| {
-                instructions.dispatch(Solve { fronts, task, part, current, backward: false });
-            });
+            let mut local = memory.take(part.room[2]);
+            let local_of = &mut local;
+            instructions.dispatch(Solve { fronts, task, part, local: local_of, backward: false });
+            memory.give(local);
             true
         });
     }
 
     /// Backward solve with the last factor, after the forward solve.
     pub fn backward(&mut self, fronts: &Fronts, x: &mut [[f64; 3]]) {
-        let Self { parts, current, instructions, .. } = self;
+        let Self { parts, memory, instructions } = self;
         let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
         let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
         downward(0, &fronts.sizes, &mut parts, None, &|task, above, (part, x)| {
@@ -244,9 +231,10 @@ impl<A: Arithmetic> Factor<A> {
                     *x = above.work[*place as usize];
                 }
             }
-            current.with(|current| {
-                instructions.dispatch(Solve { fronts, task, part, current, backward: true });
-            });
+            let mut local = memory.take(part.room[2]);
+            let local_of = &mut local;
+            instructions.dispatch(Solve { fronts, task, part, local: local_of, backward: true });
+            memory.give(local);
             x.copy_from_slice(&part.work[..x.len()]);
         });
     }
@@ -321,7 +309,7 @@ struct Eliminate<'a, 'v, A: Arithmetic> {
     part: &'a mut Part<A>,
     /// The other tasks of its subtrees.
     below: &'a [Part<A>],
-    current: &'a mut Current,
+    room: &'a mut [f64],
     /// Whether a forward solve goes with it.
     solves: bool,
 }
@@ -331,11 +319,12 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self(share, Eliminate { fronts, values, task, part, below, current, solves }) = self;
+        let Self(share, Eliminate { fronts, values, task, part, below, room, solves }) = self;
         let first_below = task - below.len();
         let of_task = &fronts.tasks[task];
-        fit(current, &part.room);
-        let ([first, second, local], Part { factor, updates, work, .. }) = (current, part);
+        let (first, rest) = room.split_at_mut(part.room[0]);
+        let (second, local) = rest.split_at_mut(part.room[1]);
+        let Part { factor, updates, work, .. } = part;
         let (even, odd) = updates.split_at_mut(of_task.update_len[0]);
         for at in At::all(fronts, task) {
             let front = at.front;
@@ -369,7 +358,7 @@ struct Solve<'a, A> {
     fronts: &'a Fronts,
     task: usize,
     part: &'a mut Part<A>,
-    current: &'a mut Current,
+    local: &'a mut [f64],
     backward: bool,
 }
 
@@ -378,9 +367,7 @@ impl<A: Arithmetic> WithSimd for Solve<'_, A> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { fronts, task, part, current, backward } = self;
-        fit(current, &part.room);
-        let [.., local] = current;
+        let Self { fronts, task, part, local, backward } = self;
         if !backward {
             for at in At::all(fronts, task) {
                 solve_front(&part.factor, at, &mut part.work, local);
