@@ -55,7 +55,8 @@ impl ConeSolver for Clarabel {
                 ..Default::default()
             });
         }
-        let p = diagonal(&low.quadratic);
+        let n = low.linear.len();
+        let p = CscMatrix::new(n, n, (0..=n).collect(), (0..n).collect(), low.quadratic.clone());
         let limits = low.right.len() - low.balance_rows;
         let cones = [ZeroConeT(low.balance_rows), NonnegativeConeT(limits)];
         let settings = DefaultSettings {
@@ -115,12 +116,6 @@ impl ConeSolver for Clarabel {
     }
 }
 
-fn diagonal(entries: &[f64]) -> CscMatrix<f64> {
-    let n = entries.len();
-    CscMatrix::new(n, n, (0..=n).collect(), (0..n).collect(), entries.to_vec())
-}
-
-/// The collapse of a degree of freedom with a load and without interactions.
 fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize) -> ConeSolution {
     let mut mechanism = vec![[0.0; 3]; program.bodies.len()];
     if let Dof::Free(free) = &program.bodies[body].dofs[dof] {
@@ -134,24 +129,12 @@ fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize) -> ConeSoluti
     }
 }
 
-/// Triplets of a sparse matrix.
-#[derive(Default)]
-pub(super) struct Triplets {
-    rows: Vec<usize>,
-    columns: Vec<usize>,
-    values: Vec<f64>,
-}
-
-impl Triplets {
-    pub(super) fn push(&mut self, row: usize, column: usize, value: f64) {
-        self.rows.push(row);
-        self.columns.push(column);
-        self.values.push(value);
-    }
-
-    pub(super) fn matrix(self, rows: usize, columns: usize) -> CscMatrix<f64> {
-        CscMatrix::new_from_triplets(rows, columns, self.rows, self.columns, self.values)
-    }
+/// The matrix with these rows, columns and values.
+pub(super) fn sparse(size: [usize; 2], entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
+    let rows = entries.iter().map(|(row, ..)| *row).collect();
+    let columns = entries.iter().map(|(_, column, _)| *column).collect();
+    let values = entries.iter().map(|(.., value)| *value).collect();
+    CscMatrix::new_from_triplets(size[0], size[1], rows, columns, values)
 }
 
 /// `min 1/2 x' diag(P) x + q'x` subject to `A x + s = b`, `s = 0` on the balance rows and `s >= 0` on
@@ -185,14 +168,14 @@ pub(super) fn lower(program: &ConeProgram) -> Lowered {
         balance_rows: 0,
         unbalanced: None,
     };
-    let mut entries = Triplets::default();
+    let mut entries = Vec::new();
     low.add_balance(program);
     let imposed = program.imposed();
     for c in &program.interactions {
         low.add_interaction(program, c, &imposed, &mut entries);
     }
     low.add_weights(program, &mut entries);
-    low.matrix = entries.matrix(low.right.len(), low.linear.len());
+    low.matrix = sparse([low.right.len(), low.linear.len()], &entries);
     low
 }
 
@@ -234,7 +217,7 @@ impl Lowered {
         program: &ConeProgram,
         c: &Interaction,
         imposed: &[[f64; 3]],
-        entries: &mut Triplets,
+        entries: &mut Vec<(usize, usize, f64)>,
     ) {
         let (du, df) = program.scales.units();
         let l = &c.limits;
@@ -259,7 +242,7 @@ impl Lowered {
                     // Units of moments and arms: rows are divided by df, columns multiplied.
                     let value = rows[dof][force] * df[force] / df[dof];
                     if let Some(row) = self.rows[body][dof].filter(|_| value != 0.0) {
-                        entries.push(row, column, value);
+                        entries.push((row, column, value));
                     }
                 }
             }
@@ -268,7 +251,7 @@ impl Lowered {
             let row = self.right.len();
             for (column, value) in x.into_iter().chain([(p, -slope)]) {
                 if value != 0.0 {
-                    entries.push(row, column, value);
+                    entries.push((row, column, value));
                 }
             }
             self.right.push(strength);
@@ -286,13 +269,13 @@ impl Lowered {
     }
 
     /// Adds the columns of inertia and regularisation.
-    fn add_weights(&mut self, program: &ConeProgram, entries: &mut Triplets) {
+    fn add_weights(&mut self, program: &ConeProgram, entries: &mut Vec<(usize, usize, f64)>) {
         let (du, df) = program.scales.units();
         for (body, rows) in program.bodies.iter().zip(&self.rows) {
             for (k, free) in body.free() {
                 let weight = (free.inertia + free.proximal) * du[k] / df[k];
                 if let Some(row) = rows[k].filter(|_| weight > 0.0) {
-                    entries.push(row, self.linear.len(), weight.sqrt());
+                    entries.push((row, self.linear.len(), weight.sqrt()));
                     self.linear.push(0.0);
                     self.quadratic.push(1.0);
                 }
@@ -300,7 +283,6 @@ impl Lowered {
         }
     }
 
-    /// The displacements that belong to multipliers.
     pub(super) fn displacements(&self, program: &ConeProgram, z: &[f64]) -> Vec<[f64; 3]> {
         let (du, _) = program.scales.units();
         let mut out = program.imposed();
@@ -314,7 +296,6 @@ impl Lowered {
         out
     }
 
-    /// The forces that belong to variables.
     pub(super) fn forces(&self, program: &ConeProgram, x: &[f64]) -> Vec<[f64; 3]> {
         let (_, df) = program.scales.units();
         let of = |(c, &first): (&Interaction, &usize)| {

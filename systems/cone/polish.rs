@@ -18,7 +18,7 @@
 use clarabel::algebra::CscMatrix;
 use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettings};
 
-use super::clarabel::{Lowered, Triplets};
+use super::clarabel::{Lowered, sparse};
 use super::residuals::regularised_residuals;
 use crate::program::{ConeProgram, ConeSolution};
 
@@ -49,7 +49,7 @@ impl Default for PolishSettings {
     }
 }
 
-/// A primal and dual point: the variables x and the multipliers of the rows.
+/// The variables x and the multipliers z of the rows.
 #[derive(Clone)]
 pub(super) struct Point {
     pub(super) x: Vec<f64>,
@@ -95,7 +95,6 @@ pub(super) fn polish(
 }
 
 impl Lowered {
-    /// Slacks `b - A x`.
     fn slacks(&self, x: &[f64]) -> Vec<f64> {
         let mut s = self.right.clone();
         for (row, column, value) in entries(&self.matrix) {
@@ -155,20 +154,18 @@ impl Lowered {
     fn equations(&self, rows: &[usize]) -> CscMatrix<f64> {
         let n = self.linear.len();
         let mut row_of = vec![None; self.right.len()];
-        let mut triplets = Triplets::default();
-        for (column, p) in self.quadratic.iter().enumerate() {
-            triplets.push(column, column, *p);
-        }
+        let diagonal = self.quadratic.iter().enumerate();
+        let mut all: Vec<_> = diagonal.map(|(column, p)| (column, column, *p)).collect();
         for (place, row) in (n..).zip(rows) {
             row_of[*row] = Some(place);
-            triplets.push(place, place, 0.0);
+            all.push((place, place, 0.0));
         }
         for (row, column, value) in entries(&self.matrix) {
             if let Some(place) = row_of[row] {
-                triplets.push(column, place, value);
+                all.push((column, place, value));
             }
         }
-        triplets.matrix(n + rows.len(), n + rows.len())
+        sparse([n + rows.len(); 2], &all)
     }
 
     /// The guess corrected by a point: limits whose multiplier has the wrong sign leave, limits

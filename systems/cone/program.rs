@@ -277,7 +277,6 @@ impl ConeProgram {
         self.free().any(|free| free.inertia > 0.0)
     }
 
-    /// The free degrees of freedom of all bodies.
     fn free(&self) -> impl Iterator<Item = &FreeDof> {
         self.bodies.iter().flat_map(|body| body.free().map(|(_, free)| free))
     }

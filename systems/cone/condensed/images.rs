@@ -11,10 +11,8 @@ use glam::DVec2;
 
 use crate::program::{ConeProgram, ProgramCell};
 
-/// The image of a body.
 #[derive(Clone, Copy, Debug)]
 struct Image {
-    /// Place of the body.
     of: usize,
     /// Interaction that it takes part in.
     interaction: usize,
@@ -83,12 +81,10 @@ impl Images {
         }
     }
 
-    /// Number of images.
     pub fn count(&self) -> usize {
         self.list.len()
     }
 
-    /// Whether this is the place of the cell.
     pub fn is_cell(&self, place: usize) -> bool {
         self.bodies > 0 && place == self.cell
     }

@@ -13,7 +13,7 @@
 //!
 //! [`settings`] has the numbers that steer these steps, `sweeps` its own.
 
-pub mod images;
+mod images;
 pub mod interior;
 mod local;
 pub mod matrix;
@@ -22,14 +22,13 @@ mod parallel;
 mod posed;
 mod reduced;
 pub mod response;
-mod rolling_spring;
 #[cfg(test)]
 mod samples;
 pub mod scaled;
 pub mod settings;
 pub mod sleeping;
 mod spring;
-pub mod sweeps;
+pub(crate) mod sweeps;
 
 use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
@@ -49,6 +48,7 @@ const ROUND_OFF: f64 = 1e-14;
 const MIN_FORCE: f64 = 1e-3;
 
 /// The condensed solver. It keeps the matrix of the last pairs and the last solution.
+#[derive(Default)]
 pub struct Condensed {
     settings: CondensedSettings,
     matrix: Kept<Cholesky>,
@@ -56,16 +56,10 @@ pub struct Condensed {
     last: Vec<[f64; 3]>,
 }
 
-impl Default for Condensed {
-    fn default() -> Self {
-        Self::new(CondensedSettings::default())
-    }
-}
-
 impl Condensed {
     /// A solver with these settings.
     pub fn new(settings: CondensedSettings) -> Self {
-        Self { settings, matrix: Kept::default(), last: Vec::new() }
+        Self { settings, ..Self::default() }
     }
 }
 

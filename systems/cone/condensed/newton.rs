@@ -3,7 +3,7 @@
 //!
 //! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
 //! metric of the compliances ([`Spring`](super::spring::Spring), and
-//! [`RollingSpring`](super::rolling_spring::RollingSpring) with a rolling moment). The balance is
+//! [`RollingSpring`](super::spring::RollingSpring) with a rolling moment). The balance is
 //! then the gradient of a convex, piecewise quadratic function of u, and its generalised Hessian is
 //! the condensed matrix of the current regions. The derivative along a step is monotone and
 //! piecewise linear, and the line search finds its zero.
@@ -23,7 +23,6 @@ pub struct Goal {
     pub min_force: f64,
 }
 
-/// Result of the iteration.
 pub struct Newton {
     /// Displacements by body, in the order of elimination.
     pub u: Vec<[f64; 3]>,
@@ -95,7 +94,6 @@ pub struct Point<'a, S, const F: usize> {
     responses: Vec<Response<F>>,
     /// Displacements by body, then by image.
     pub u: Vec<[f64; 3]>,
-    /// Kinematics by interaction.
     e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
@@ -105,7 +103,6 @@ pub struct Point<'a, S, const F: usize> {
     unbalance: f64,
 }
 
-/// A step of the iteration.
 pub struct Step<const F: usize> {
     /// Newton step of the displacements by body, then by image.
     pub du: Vec<[f64; 3]>,
@@ -156,7 +153,6 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
         self.unbalance = self.gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
     }
 
-    /// Whether the goal is reached.
     fn is_done(&self) -> bool {
         self.unbalance <= self.goal.unbalance * self.force
     }
@@ -230,7 +226,6 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
         a
     }
 
-    /// Makes a step.
     fn make(&mut self, step: &Step<F>) {
         for (u, du) in self.u.iter_mut().zip(&step.du) {
             for k in 0..3 {

@@ -7,7 +7,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// Whether the pool has one thread.
 pub fn is_alone() -> bool {
     rayon::current_num_threads() == 1
 }
@@ -76,7 +75,6 @@ impl Memory {
         vec![0.0; len]
     }
 
-    /// Takes numbers back.
     pub fn give(&self, numbers: Vec<f64>) {
         if !numbers.is_empty() {
             self.free().push(numbers);

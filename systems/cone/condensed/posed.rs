@@ -16,14 +16,12 @@ use crate::residuals::{MAX_BALANCE, choose_displacements};
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Demand {
-    /// Maximum residual.
     pub tolerance: f64,
     /// Whether the tolerance is looser than that of increments by default: active limits are not
     /// decided, and dynamic programs end with the first point within the tolerance. This saves an
     /// eighth of the iterations in dynamics; in statics it threw grains in 129 of 169 increments
     /// (decision 006).
     pub loose: bool,
-    /// Whether the program is large.
     pub large: bool,
     /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
     /// grains without load drift further the less exact the solution is. With a tight tolerance it
@@ -60,14 +58,12 @@ pub struct Posed<'a> {
     demand: Demand,
     is_shared: bool,
     units: Units<'a>,
-    /// Factorisations so far.
     iterations: u32,
     /// The program in the units of its scales.
     pub scaled: Scaled,
 }
 
 impl<'a> Posed<'a> {
-    /// The program posed for a matrix that has its pattern.
     pub fn new(
         program: &'a ConeProgram,
         settings: &'a CondensedSettings,
@@ -110,7 +106,6 @@ impl<'a> Posed<'a> {
         self.newton_to(&result.u, goal.min(MAX_BALANCE / margin))
     }
 
-    /// The Newton iteration to a goal.
     fn newton_to(&mut self, start: &[[f64; 3]], goal: f64) -> (Newton, ConeSolution) {
         let Self { scaled, matrix, settings, units, .. } = self;
         let result = in_pool(self.is_shared, || {

@@ -66,7 +66,6 @@ impl LinearResponse {
     }
 }
 
-/// Stiffness of an interaction that carries a force.
 fn stiffness(
     program: &ConeProgram,
     solution: &ConeSolution,

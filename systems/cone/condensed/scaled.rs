@@ -221,7 +221,6 @@ impl Scaled {
         Self::new(program, &(0..program.bodies.len()).collect::<Vec<_>>())
     }
 
-    /// Adds a body.
     fn add_body(&mut self, scales: &Scales, body: &ProgramBody) {
         let (du, df) = scales.units();
         let (mut free, mut weight, mut right, mut known) =

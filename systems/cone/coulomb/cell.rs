@@ -55,7 +55,6 @@ pub struct Linear {
 }
 
 impl Cell {
-    /// The law of an interaction.
     pub fn new(local: &Local, c: &Interaction) -> Self {
         let [_, shear, rolling] = local.has;
         Self {
@@ -207,7 +206,6 @@ impl Cell {
     }
 }
 
-/// A matrix times a vector.
 #[inline]
 pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
     t.map(|row| row[0] * e[0] + row[1] * e[1] + row[2] * e[2])

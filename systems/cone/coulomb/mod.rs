@@ -31,9 +31,7 @@ use super::residuals::{MIN_FORCE, applied_force, choose_displacements, natural_m
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
-    /// Maximum residual.
     tolerance: f64,
-    /// Whether the first point within the tolerance suffices.
     at_once: bool,
 }
 
@@ -151,7 +149,6 @@ pub struct Trial<'a> {
     settings: &'a CoulombSettings,
     goal: Goal,
     best: ConeSolution,
-    /// Its residual.
     worst: f64,
     /// Residuals of the last two points, oldest first.
     residuals: [f64; 2],

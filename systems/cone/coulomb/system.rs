@@ -48,9 +48,7 @@ pub struct System<'a> {
     /// Bodies in the order of elimination.
     pub order: Vec<usize>,
     pub matrix: &'a mut UnsymmetricMatrix,
-    /// Number of limits.
     pub limits: f64,
-    /// Factorisations so far.
     pub factorisations: u32,
     linear: Vec<Linear>,
     /// Usual compliances of every interaction, by which a regularisation is multiplied.

@@ -46,7 +46,6 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
     contact.min(MAX_FORCE * expected).max(applied).max(MIN_FORCE * program.scales.force)
 }
 
-/// Maximum applied force, N.
 pub(crate) fn applied_force(program: &ConeProgram) -> f64 {
     let translations = program.bodies.iter().flat_map(|b| b.free().filter(|(k, _)| *k < 2));
     translations.map(|(_, free)| (free.load - free.momentum).abs()).fold(0.0, f64::max)
@@ -78,7 +77,6 @@ fn free_displacement(program: &ConeProgram) -> f64 {
     if minimum.is_finite() { minimum } else { 0.0 }
 }
 
-/// The units that residuals are relative to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Units {
     /// Force, N.
@@ -92,7 +90,6 @@ pub(crate) struct Units {
 }
 
 impl Units {
-    /// The units of a program with these forces and displacements.
     pub(crate) fn of(
         program: &ConeProgram,
         forces: &[[f64; 3]],

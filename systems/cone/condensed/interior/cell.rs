@@ -13,7 +13,6 @@ use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
 use super::point::Warm;
 
-/// One interaction.
 #[derive(Clone)]
 pub struct Cell<const F: usize, const Q: usize> {
     /// Its place in the program.
@@ -84,7 +83,6 @@ pub struct Sizes {
     pub primal: f64,
     pub force: f64,
     pub product: f64,
-    /// Sum of the products.
     pub products: f64,
     /// The terms `l's`, `b'lambda` and `s'Cs` of the duality gap.
     pub linear: f64,
@@ -268,7 +266,6 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Its normal force.
     pub fn normal_force(&self) -> f64 {
         self.x.s[0]
     }

@@ -13,7 +13,6 @@ use super::super::settings::InteriorSettings;
 use super::cell::{Cells, for_each};
 use super::law::Rows;
 
-/// Interactions by branch.
 pub struct Groups {
     branches: Vec<Cells>,
     /// Bodies of each branch.
@@ -44,7 +43,6 @@ impl Groups {
         Self { branches, bodies, rest }
     }
 
-    /// Maximum normal force.
     pub fn max_force(&mut self) -> f64 {
         let mut maximum = 0.0_f64;
         for cells in self.all() {
@@ -101,7 +99,6 @@ impl Groups {
     }
 }
 
-/// The rows of the bodies of each branch.
 fn pieces<'a>(bodies: &[Range<usize>], rows: &'a mut [[f64; 3]]) -> Vec<Rows<'a>> {
     let firsts = bodies.iter().map(|bodies| bodies.start as u32);
     let pieces = firsts.zip(split(rows, bodies.iter().cloned()));

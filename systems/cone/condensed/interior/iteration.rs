@@ -41,7 +41,6 @@ pub struct Iteration<'a> {
     settings: &'a InteriorSettings,
     /// The interactions, with their forces, slacks and multipliers.
     groups: Groups,
-    /// Displacements by body.
     u: Vec<[f64; 3]>,
     /// The homogenising variable. All other variables are those of the embedding over tau.
     tau: f64,
@@ -59,13 +58,10 @@ pub struct Iteration<'a> {
     length: f64,
     /// Out-of-balance forces by body.
     balance: Vec<[f64; 3]>,
-    /// Maximum out-of-balance force.
     unbalance: f64,
     /// Residuals of the interactions.
     sizes: Sizes,
-    /// Residual of the duality gap.
     gap: f64,
-    /// Its round-off.
     gap_round_off: f64,
     /// Sum of the strengths of the limits, force.
     strengths: f64,
@@ -81,7 +77,6 @@ pub struct Iteration<'a> {
     /// Right side and solution of the whole step.
     right: Vec<[f64; 3]>,
     du: Vec<[f64; 3]>,
-    /// Defect of the solution.
     defect: Vec<[f64; 3]>,
 }
 
@@ -177,7 +172,6 @@ impl<'a> Iteration<'a> {
             + KINEMATIC_ROUND_OFF * max_magnitude(u) * *strengths;
     }
 
-    /// Whether all residuals are numbers.
     pub fn is_finite(&self) -> bool {
         (self.merit() + self.mu + self.gap).is_finite()
     }
@@ -193,7 +187,6 @@ impl<'a> Iteration<'a> {
             .max(self.settings.product_weight * product / force)
     }
 
-    /// Maximum force, for comparison.
     fn force(&self) -> f64 {
         self.sizes.force.max(MIN_FORCE)
     }
@@ -203,7 +196,6 @@ impl<'a> Iteration<'a> {
         self.k > 1.0
     }
 
-    /// Copies the point.
     pub fn store(&mut self, point: &mut Interior) {
         point.u.clear();
         point.u.extend_from_slice(&self.u[..self.program.free.len()]);
@@ -213,7 +205,6 @@ impl<'a> Iteration<'a> {
         }
     }
 
-    /// Goes back to an earlier point.
     pub fn restore(&mut self, point: &Interior) {
         self.u = self.program.with_known(&point.u);
         (self.is_embedded, self.tau, self.k) = (false, 1.0, 0.0);
@@ -414,7 +405,6 @@ impl<'a> Iteration<'a> {
         (rho, -of_kappa - self.k * rho)
     }
 
-    /// Moves the point.
     fn make_step(&mut self, to_boundary: f64, rho: f64, dk: f64) -> bool {
         let part = part_of_way(self.mu * self.tau * self.tau);
         // A step onto the boundary, tau = 0, is as short of it as one that would cross it.

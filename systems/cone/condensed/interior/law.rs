@@ -4,7 +4,6 @@
 use super::super::scaled::{Arms, Local, first};
 use super::point::slack;
 
-/// Maximum number of pairs of limits.
 pub const MAX_PAIRS: usize = 2;
 
 /// The law of an interaction with `F` forces and `Q` limits: see [`Local`].
@@ -25,7 +24,6 @@ pub struct Rows<'a> {
 }
 
 impl<const F: usize, const Q: usize> Law<F, Q> {
-    /// Pairs of limits.
     pub const PAIRS: usize = Q / 2;
     /// Whether the last limit is one of tension, `-p`.
     pub const HAS_TENSION: bool = Q % 2 == 1;
@@ -73,7 +71,6 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
 /// multipliers are positive.
 #[derive(Clone, Copy, Debug)]
 pub struct Variables<const F: usize, const Q: usize> {
-    /// Forces.
     pub s: [f64; F],
     /// Slacks w of the limits.
     pub w: [f64; Q],
@@ -101,7 +98,6 @@ impl<const F: usize, const Q: usize> Variables<F, Q> {
         (self.w[q], self.lambda[q])
     }
 
-    /// Products `w lambda`.
     #[inline]
     pub fn products(&self) -> [f64; Q] {
         std::array::from_fn(|q| self.w[q] * self.lambda[q])

@@ -18,7 +18,6 @@ pub struct Interior {
 }
 
 impl Interior {
-    /// A point at rest without forces.
     pub(super) fn of(program: &Scaled) -> Self {
         let count = program.locals.len();
         let (s, lambda) = (vec![[0.0; 3]; count], vec![[0.0; ROWS]; count]);
@@ -61,7 +60,6 @@ pub trait Judge {
     }
 }
 
-/// A judge of solutions alone.
 impl<F: Fn(&Interior) -> bool> Judge for F {
     fn is_solution(&self, point: &Interior) -> bool {
         self(point)

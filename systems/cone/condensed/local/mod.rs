@@ -16,10 +16,9 @@ mod patches;
 use super::MIN_FORCE;
 use super::matrix::BodyMatrix;
 use super::newton::{Goal, Newton, Point, Step, iterate};
-use super::rolling_spring::RollingSpring;
 use super::scaled::{Local, Scaled};
 use super::settings::{LocalSettings, NewtonSettings};
-use super::spring::{Elastic, Spring};
+use super::spring::{Elastic, RollingSpring, Spring};
 use crate::adjacency::Adjacency;
 
 /// Solves the program from the displacements `start` until the unbalance over the maximum force is
@@ -46,7 +45,6 @@ pub struct Elimination<'a> {
     program: &'a Scaled,
     adjacency: Adjacency,
     settings: &'a LocalSettings,
-    /// Goal of the iteration.
     goal: Goal,
     /// Length of the last step; 0 before the first.
     last_length: f64,
@@ -54,7 +52,6 @@ pub struct Elimination<'a> {
     fast: Vec<bool>,
     /// Whether bodies were eliminated since the last step: a step comes next in any case.
     is_done: bool,
-    /// Whether threads share the matrix of the program.
     is_shared: bool,
 }
 

@@ -8,7 +8,6 @@ use super::super::scaled::Scaled;
 use super::super::spring::Elastic;
 use super::Elimination;
 
-/// Bodies with their displacements.
 type Motion = Vec<(usize, [f64; 3])>;
 
 impl Elimination<'_> {

@@ -104,7 +104,6 @@ pub fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
     sum
 }
 
-/// The rows times a matrix.
 #[inline]
 pub fn times<const F: usize>(rows: &[[f64; F]; 3], d: &[[f64; F]; F]) -> [[f64; F]; 3] {
     let mut out = [[0.0; F]; 3];

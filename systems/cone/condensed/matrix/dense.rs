@@ -139,7 +139,6 @@ pub fn divide([x, y, z]: [&mut [f64]; 3], first: usize, triangle: &Triangle) {
     }
 }
 
-/// Positive and finite.
 #[inline(always)]
 fn is_pivot(x: f64) -> bool {
     x > 0.0 && x < f64::INFINITY

@@ -35,7 +35,6 @@ pub trait Arithmetic: Send + Sync {
         d: &[[f64; F]; F],
     );
 
-    /// Room for the factor of a task.
     fn new(fronts: &Fronts, task: &Task) -> Self;
 
     /// Numbers of two kinds that a front needs while it is being eliminated.
@@ -62,14 +61,12 @@ pub trait Arithmetic: Send + Sync {
     fn backward(&self, at: At, local: &mut [f64]);
 }
 
-/// Values of the matrix: blocks of bodies in the order of elimination, and of pairs front by front.
 #[derive(Clone, Copy)]
 pub struct Values<'a, B, P> {
     pub bodies: &'a [B],
     pub pairs: &'a [P],
 }
 
-/// A front and its place.
 #[derive(Clone, Copy)]
 pub struct At<'a> {
     pub fronts: &'a Fronts,
@@ -81,7 +78,6 @@ pub struct At<'a> {
 }
 
 impl<'a> At<'a> {
-    /// The fronts of a task.
     fn all(fronts: &'a Fronts, task: usize) -> impl DoubleEndedIterator<Item = Self> {
         let task = &fronts.tasks[task];
         let first = task.fronts.start;
@@ -95,7 +91,6 @@ impl<'a> At<'a> {
         })
     }
 
-    /// Blocks of its pivots.
     pub fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
         &bodies[self.task.places.start..][self.front.pivots.clone()]
     }
@@ -122,7 +117,6 @@ impl<'a> At<'a> {
     }
 }
 
-/// The numbers of a task.
 struct Part<A> {
     factor: A,
     /// Updates that wait for the parents of their fronts: of fronts in even depth, then in odd
@@ -135,7 +129,6 @@ struct Part<A> {
     room: [usize; 3],
 }
 
-/// The factor of a matrix.
 pub struct Factor<A: Arithmetic> {
     parts: Vec<Part<A>>,
     /// For updates and for the numbers of fronts.
@@ -144,7 +137,6 @@ pub struct Factor<A: Arithmetic> {
 }
 
 impl<A: Arithmetic> Factor<A> {
-    /// Room for the factor of a matrix with these fronts.
     pub fn new(fronts: &Fronts) -> Self {
         let part = |task: &Task| {
             let mut room = [0; 3];
@@ -160,12 +152,10 @@ impl<A: Arithmetic> Factor<A> {
         Self { parts, memory: Memory::default(), instructions: Arch::new() }
     }
 
-    /// Whether there is work for several threads.
     pub fn is_shared(&self) -> bool {
         self.parts.len() > 1
     }
 
-    /// The factors of the tasks.
     pub fn parts(&self) -> impl Iterator<Item = &A> {
         self.parts.iter().map(|part| &part.factor)
     }
@@ -205,7 +195,6 @@ impl<A: Arithmetic> Factor<A> {
         has_factor
     }
 
-    /// Forward solve with the last factor.
     pub fn forward(&mut self, fronts: &Fronts, right: &[[f64; 3]]) {
         let Self { parts, memory, instructions } = self;
         upward(0, &fronts.sizes, parts, &|task, below, part| {
@@ -301,16 +290,13 @@ fn solve_front<A: Arithmetic>(factor: &A, at: At, work: &mut [[f64; 3]], local: 
     }
 }
 
-/// Factorisation of a task.
 struct Eliminate<'a, 'v, A: Arithmetic> {
     fronts: &'a Fronts,
     values: Values<'v, A::Body, A::Pair>,
     task: usize,
     part: &'a mut Part<A>,
-    /// The other tasks of its subtrees.
     below: &'a [Part<A>],
     room: &'a mut [f64],
-    /// Whether a forward solve goes with it.
     solves: bool,
 }
 

@@ -18,7 +18,6 @@ const BRANCHES: usize = 16;
 
 /// One front. Places of bodies are those within its task: see [`Fronts::within`].
 pub struct Front {
-    /// Places of the pivots.
     pub pivots: Range<usize>,
     /// Range of its rows in [`Fronts::rows`] and [`Fronts::in_parent`].
     pub rows: Range<usize>,
@@ -50,12 +49,10 @@ impl Front {
         (3 * self.bodies() + LANES - 1).next_multiple_of(LANES)
     }
 
-    /// Numbers in the trapezoid.
     pub fn panel_len(&self) -> usize {
         self.height() * self.width()
     }
 
-    /// Its pivots and rows.
     pub fn bodies(&self) -> usize {
         self.pivots.len() + self.rows.len()
     }
@@ -69,7 +66,6 @@ impl Front {
 /// Some subtrees of the tree, without the parts of them that are tasks of their own.
 #[derive(Default)]
 pub struct Task {
-    /// Its fronts.
     pub fronts: Range<usize>,
     /// Its bodies in the order of elimination.
     pub places: Range<usize>,
@@ -82,7 +78,6 @@ pub struct Task {
 }
 
 impl Task {
-    /// Its bodies and the rows of its subtrees.
     pub fn bodies(&self) -> usize {
         self.places.len() + self.beyond.len()
     }
@@ -91,9 +86,7 @@ impl Task {
 /// All fronts, children before their parents.
 #[derive(Default)]
 pub struct Fronts {
-    /// Bodies in the order of their elimination.
     pub order: Vec<usize>,
-    /// The fronts.
     pub list: Vec<Front>,
     /// The tasks, in the order of elimination.
     pub tasks: Vec<Task>,
@@ -141,7 +134,6 @@ impl Fronts {
         })
     }
 
-    /// The task of a front.
     pub fn task_of(&self, front: usize) -> usize {
         self.tasks.partition_point(|task| task.fronts.end <= front)
     }

@@ -12,7 +12,6 @@ use super::schedule::parents;
 use super::tasks::cut;
 use crate::adjacency::Adjacency;
 
-/// The place of a pair of bodies.
 #[derive(Clone, Copy)]
 pub struct PairPlace {
     /// Its place among the pairs of all fronts.
@@ -95,7 +94,6 @@ fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     fronts
 }
 
-/// The fronts that are laid out so far.
 struct Layout<'a> {
     column_rows: &'a [Vec<u32>],
     groups: &'a [Option<Group>],

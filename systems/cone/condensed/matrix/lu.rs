@@ -22,7 +22,6 @@ const THRESHOLD: f64 = 0.1;
 /// Number of pivots whose rows are subtracted from the rows below in one pass.
 const TOGETHER: usize = 4;
 
-/// The factor of a front.
 struct OfFront {
     /// Columns of the pivots, row by row, of all rows.
     lower: Vec<f64>,
@@ -32,7 +31,6 @@ struct OfFront {
     exchanged: Vec<u32>,
 }
 
-/// The factor of a task.
 pub struct Lu {
     fronts: Vec<OfFront>,
     /// Sign of the determinant of the pivots; 0 if there is no factor.
@@ -109,7 +107,6 @@ impl Arithmetic for Lu {
         Self { fronts: list.iter().map(of_front).collect(), sign: 0.0 }
     }
 
-    /// Its square.
     fn room(front: &Front) -> [usize; 2] {
         [height(front) * row_len(height(front)), 0]
     }
@@ -255,7 +252,6 @@ fn factorise<S: Simd>(
     sign
 }
 
-/// Rows below the pivots.
 struct Below<'a> {
     pivots: &'a [f64],
     rows: &'a mut [f64],

@@ -13,7 +13,6 @@ const MERGED: [(usize, f64); 3] = [(2, 0.5), (8, 0.2), (32, 0.05)];
 /// A group of bodies that may still become part of its parent.
 #[derive(Default)]
 pub struct Group {
-    /// Its columns.
     pub pivots: Vec<u32>,
     /// Groups whose parent it is.
     pub children: Vec<usize>,

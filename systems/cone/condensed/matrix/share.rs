@@ -18,7 +18,6 @@ pub trait Share: Copy + Sync {
     fn instructions(self) -> Option<Arch>;
 }
 
-/// One thread works on a front.
 #[derive(Clone, Copy)]
 pub struct Alone;
 

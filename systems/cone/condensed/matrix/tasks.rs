@@ -18,7 +18,6 @@ const GRAIN: f64 = 1.0 / 200.0;
 /// Shorter tasks, each with memory of its own, make the solves of 2000 disks up to 6 % slower.
 const MIN_WORK: f64 = 1e6;
 
-/// A task of the cut.
 #[derive(Default)]
 pub struct Cut {
     /// The columns at the feet of its subtrees. The tasks below it are parts of these subtrees that
@@ -28,11 +27,9 @@ pub struct Cut {
     pub size: usize,
 }
 
-/// A task while the tree is cut.
 #[derive(Default)]
 struct Node {
     feet: Vec<usize>,
-    /// The tasks directly below.
     below: Vec<usize>,
     /// Columns of small subtrees that hang on it.
     small: Vec<usize>,
