@@ -61,8 +61,7 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
 /// into each other: an overlap above round-off.
 const MIN_OVERLAP: f64 = 1e-9;
 
-/// Whether forces prove that rigid bodies are locked, so that no displacements satisfy the
-/// constraints.
+/// Whether forces prove that rigid bodies are locked: no displacements satisfy the constraints.
 ///
 /// They do if they balance each other without any load, lie within the limits without cohesion, act
 /// on rigid contacts only, and do work on the overlaps and the imposed motions.

@@ -50,7 +50,7 @@ impl Limits {
         [true, self.has_shear(), self.has_rolling()]
     }
 
-    /// Whether the shear force of `f` = (p, q, tau) is on its limit, so that the interaction slides.
+    /// Whether the shear force of `f` = (p, q, tau) is on its limit: the interaction slides.
     pub fn slides(&self, f: &[f64; 3]) -> bool {
         self.has_shear() && f[1].abs() >= ON_LIMIT * (self.cohesion + self.friction * f[0])
     }
@@ -78,8 +78,8 @@ impl Limits {
     }
 }
 
-/// The law of sliding and rolling that a solution of a program obeys. With a the
-/// [dilation](Self::dilation) of an interaction, s_t its slip and s_r its rotation, the gap opens by
+/// The law of sliding that a solution of a program obeys. With a the [dilation](Self::dilation) of
+/// an interaction, s_t its slip and s_r its rotation, the gap opens by
 ///
 /// ```text
 /// a (mu |s_t| + mu_r r |s_r|)
@@ -93,8 +93,7 @@ pub enum SlidingLaw {
     /// a = 1: the solution is the minimum of the program.
     #[default]
     Associated,
-    /// a = 0 without strength. Interactions with strength keep a = 1: their law is that of the
-    /// bond.
+    /// a = 0 without strength. With strength a stays 1: the law is that of the bond.
     Coulomb,
 }
 
@@ -148,8 +147,7 @@ pub struct Interaction {
 }
 
 impl Interaction {
-    /// A rigid interaction without friction or strength from body `a` to body `b`: normal along x,
-    /// no arms, no gap.
+    /// A rigid interaction without friction, strength, arms and gap from body `a` to `b`, along x.
     pub fn between(a: u32, b: u32) -> Self {
         Self {
             a,

@@ -1,5 +1,4 @@
-//! Polish of an interior-point solution: guess the active limits, solve the linear equations that
-//! remain, correct the guess.
+//! Polish of a solution: guess the active limits, solve linear equations, correct the guess.
 //!
 //! At an interior point the *product* of slack and multiplier is small. Where both are small (a
 //! force that just reaches its limit) each is accurate to the square root of the product only. With
@@ -25,8 +24,7 @@ use crate::program::{ConeProgram, ConeSolution};
 /// Defect that no refinement can lower: round-off of rows whose entries are of the order of 1.
 const ROUND_OFF: f64 = 1e-15;
 
-/// Settings of the polish. Residuals are those of the program, without dimension. Decision 001 has
-/// the evidence.
+/// Settings of the polish. Residuals are those of the program. Decision 001 has the evidence.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolishSettings {

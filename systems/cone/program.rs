@@ -111,14 +111,13 @@ pub struct ProgramCell {
 }
 
 impl ProgramCell {
-    /// Displacement of an image in excess of that of its body, m, for the displacements of the cell
-    /// in global axes.
+    /// Displacement of an image beyond that of its body, m, for displacements of the cell in global
+    /// axes.
     pub fn shift(&self, image: DVec2, u: [f64; 3]) -> DVec2 {
         DVec2::new(image.x * u[0] + image.y * self.arm * u[2], image.y * u[1])
     }
 
-    /// Coefficients of the forces in the rows of the cell, in the axes of its body, for the rows of
-    /// the image along x and y.
+    /// Coefficients of the forces in the rows of the cell, for those of the image along x and y.
     pub fn rows<const F: usize>(
         &self,
         image: DVec2,
@@ -153,8 +152,7 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Units of the three degrees of freedom of a body: displacement (m, m, rad) and force (N, N,
-    /// N m).
+    /// Units of the three motions of a body: displacement (m, m, rad) and force (N, N, N m).
     pub fn units(&self) -> ([f64; 3], [f64; 3]) {
         let (u, f, l) = (self.displacement, self.force, self.length);
         ([u, u, u / l], [f, f, f * l])
@@ -193,8 +191,7 @@ impl ConeProgram {
         self.interactions.iter().any(|c| c.limits.has_strength())
     }
 
-    /// Closing, slip and relative rotation of interaction `c` for the displacements `u` by body,
-    /// in the bodies' own axes.
+    /// Closing, slip and rotation of interaction `c` for displacements by body in their own axes.
     pub fn kinematics(&self, c: &Interaction, u: &[[f64; 3]]) -> Kinematics {
         let (a, b) = (c.a as usize, c.b as usize);
         let ua = self.bodies[a].to_global(u[a]);
@@ -353,8 +350,7 @@ impl Residuals {
     }
 }
 
-/// Proof that no forces balance the loads: a mechanism along which the loads do more work than
-/// the limits can dissipate.
+/// Proof of a collapse: a mechanism along which loads do more work than limits can dissipate.
 #[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Certificate {

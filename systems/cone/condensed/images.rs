@@ -1,11 +1,10 @@
 //! Images of bodies in a periodic cell.
 //!
 //! An interaction with the image of a body has three participants: body a, body b and the cell. Its
-//! rows here are those of a and of the image, as if the image were a body. Images have the places
-//! after all bodies. [`Images::spread`] computes their displacements from those of their bodies and
-//! of the cell, and [`Images::fold`] moves the forces on them to bodies and cell. Passes over
-//! interactions therefore need not know the cell. Only the matrix has the three participants
-//! ([`Images::rows`]).
+//! rows here are those of a and of the image, as if the image were a body, with a place after all
+//! bodies. [`Images::spread`] computes their displacements from those of their bodies and of the
+//! cell, and [`Images::fold`] moves the forces on them to bodies and cell. Passes over interactions
+//! need not know the cell. Only the matrix has the three participants ([`Images::rows`]).
 
 use glam::DVec2;
 
@@ -49,8 +48,7 @@ pub fn pairs(program: &ConeProgram) -> impl Iterator<Item = (u32, u32)> + Clone 
 }
 
 impl Images {
-    /// The images of a program whose bodies have these places; `free` are the free degrees of
-    /// freedom by place.
+    /// The images of a program whose bodies have these places and free degrees of freedom.
     pub fn of(program: &ConeProgram, place: &[usize], free: &[[bool; 3]]) -> Self {
         let Some(law) = program.cell else { return Self::default() };
         let interactions = program.interactions.iter().enumerate();
@@ -66,8 +64,7 @@ impl Images {
         for (k, image) in list.iter().enumerate() {
             of_interaction[image.interaction] = k as u32;
         }
-        // The arm is a rotation times a length: in units of the scales it is a length over a
-        // length.
+        // The arm is a length per rotation: in units of the scales a length over a length.
         let law = ProgramCell { arm: law.arm / program.scales.length, ..law };
         Self {
             free: list.iter().map(|image| free[image.of]).collect(),
@@ -89,8 +86,8 @@ impl Images {
         self.bodies > 0 && place == self.cell
     }
 
-    /// The image that takes part in an interaction, and the first of the two pairs that its bodies
-    /// make with the cell.
+    /// The image in an interaction, and the first of the two pairs that its bodies make with the
+    /// cell.
     #[inline]
     pub fn at(&self, interaction: usize) -> Option<(usize, usize)> {
         let k = *self.of_interaction.get(interaction)?;
@@ -161,8 +158,8 @@ impl Images {
         place.checked_sub(self.bodies).filter(|k| *k < self.list.len())
     }
 
-    /// The kinematics that the known or the unknown displacements of the cell give image `k` with
-    /// these rows.
+    /// The kinematics of image `k` with these rows by the known or unknown displacements of the
+    /// cell.
     pub fn kinematics_by_cell(
         &self,
         k: usize,

@@ -1,5 +1,4 @@
-//! Semismooth Newton iteration in the displacements, for programs in which every force has a
-//! compliance.
+//! Semismooth Newton iteration in the displacements, where every force has a compliance.
 //!
 //! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
 //! metric of the compliances ([`Spring`](super::spring::Spring), and
@@ -39,8 +38,7 @@ pub fn applies(program: &Scaled) -> bool {
     program.locals.iter().all(|l| (0..3).all(|f| !l.has[f] || l.compliance[f] > 0.0))
 }
 
-/// Runs the iteration from the displacements `start`, with local elimination between its steps or
-/// without.
+/// Runs the iteration from displacements, with local elimination between its steps or without.
 pub fn iterate<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     matrix: &mut BodyMatrix,
@@ -85,8 +83,7 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
     Newton { s, u: point.u, iterations, converged }
 }
 
-/// A point of the iteration, and what follows from its displacements, for interactions with `F`
-/// forces.
+/// A point of the iteration with what follows from it, for interactions with `F` forces.
 pub struct Point<'a, S, const F: usize> {
     pub program: &'a Scaled,
     springs: Vec<S>,
@@ -183,8 +180,7 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
     /// The length a at which the derivative of the energy along a step vanishes, to a few per cent of
     /// the derivative at a = 0: a Newton iteration for one number, safeguarded by a bracket.
     ///
-    /// The derivative at a is `du.(M (u + a du) - f) + sum de.s(e + a de)`; it rises with a, and is
-    /// piecewise linear.
+    /// The derivative, `du.(M (u + a du) - f) + sum de.s(e + a de)`, rises and is piecewise linear.
     pub fn search(&self, Step { du, de, .. }: &Step<F>, settings: &NewtonSettings) -> f64 {
         let Self { program, u, .. } = self;
         let both = self.gradient.iter().flatten().zip(du.iter().flatten());

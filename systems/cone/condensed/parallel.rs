@@ -24,8 +24,7 @@ pub fn in_parallel<T: Send, R: Send>(
     }
 }
 
-/// Calls `f` on a thread of the pool if `worth` it: a thread of the pool hands out work more
-/// quickly.
+/// Calls `f` on a thread of the pool, which hands out work more quickly, if `worth` it.
 pub fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
     if worth && !is_alone() { rayon::scope(|_| f()) } else { f() }
 }

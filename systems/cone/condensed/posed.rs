@@ -17,10 +17,9 @@ use crate::residuals::{MAX_BALANCE, choose_displacements};
 #[derive(Clone, Copy, Debug)]
 pub struct Demand {
     pub tolerance: f64,
-    /// Whether the tolerance is looser than that of increments by default: active limits are not
-    /// decided, and dynamic programs end with the first point within the tolerance. This saves an
-    /// eighth of the iterations in dynamics; in statics it threw grains in 129 of 169 increments
-    /// (decision 006).
+    /// Whether the tolerance is looser than that of increments by default: limits are not decided,
+    /// and dynamic programs end with the first point within it. This saves an eighth of the
+    /// iterations; in statics it threw grains in 129 of 169 increments (decision 006).
     pub loose: bool,
     pub large: bool,
     /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
@@ -81,8 +80,7 @@ impl<'a> Posed<'a> {
         Self { settings, is_shared, matrix, demand, units, iterations: 0, scaled }
     }
 
-    /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
-    /// far.
+    /// Displacements as a start, in units and order of the matrix; zero if too far.
     pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let Units { program, order, .. } = &self.units;
         let (du, _) = program.scales.units();
@@ -203,8 +201,7 @@ impl Units<'_> {
     }
 
     /// The solution with these displacements and forces, solved if its residual is within the
-    /// tolerance. Displacements with inertia follow from the forces, as in the motion that is
-    /// committed.
+    /// tolerance. With inertia displacements follow from the forces, as those that are committed.
     fn solution(
         &self,
         u: &[[f64; 3]],

@@ -1,5 +1,4 @@
-//! The program in units of its scales, interaction by interaction, as the condensed solver reads
-//! it.
+//! The program in units of its scales, interaction by interaction, as a solver reads it.
 //!
 //! Interaction c: `min 1/2 s'Cs + l's`, `A s + w = b`, `w >= 0` with s = (p, q, tau); stationarity
 //! `l + C s - e(u) + A' lambda = 0`. Bodies: `m u + G s = f` on free degrees of freedom.
@@ -11,12 +10,10 @@ use crate::program::{ConeProgram, Dof, Interaction, ProgramBody, Scales};
 use super::images::Images;
 use super::matrix::places;
 
-/// Maximum number of limits of an interaction: two of shear and two of rolling, which imply that of
-/// tension.
+/// Maximum number of limits of an interaction: two of shear and two of rolling.
 pub const ROWS: usize = 4;
 
-/// The forces and limits of an interaction. The inner loops of the solver are compiled for each
-/// kind.
+/// Forces and limits of an interaction. The inner loops of the solver are compiled for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// p alone, with the limit of tension.
@@ -68,8 +65,7 @@ impl<const F: usize> Arms<F> {
         self.add_forces_from(0, s, sign, out);
     }
 
-    /// As [`add_forces`](Self::add_forces), to rows that begin with those of the body at the place
-    /// `first`.
+    /// As [`add_forces`](Self::add_forces), to rows that begin with those of the body `first`.
     #[inline]
     pub fn add_forces_from(&self, first: u32, s: &[f64; F], sign: f64, out: &mut [[f64; 3]]) {
         for (rows, body) in self.rows.iter().zip(self.bodies) {
@@ -103,15 +99,14 @@ pub struct Local {
     pub compliance: [f64; 3],
     /// Linear terms, less the kinematics of the fixed degrees of freedom.
     pub linear: [f64; 3],
-    /// Slopes of the limits `|q| <= c + mu p` and `|tau| <= m_0 + m p`: mu and m, 0 without the force.
+    /// mu and m of the limits `|q| <= c + mu p`, `|tau| <= m_0 + m p`; 0 without the force.
     pub slopes: [f64; 2],
     /// f_t, c and m_0.
     pub strengths: [f64; 3],
 }
 
 impl Local {
-    /// An interaction from the rows of its bodies and the kinematics of their fixed degrees of
-    /// freedom.
+    /// An interaction from the rows of its bodies and the kinematics of known motions.
     fn new(scales: &Scales, c: &Interaction, arms: Arms<3>, fixed: [f64; 3]) -> Self {
         let (du, df) = scales.units();
         let stiffness = scales.force / scales.displacement;
@@ -149,8 +144,7 @@ impl Local {
         }
     }
 
-    /// Slope and strength of its limits: two of shear, two of rolling, that of tension where the others
-    /// do not imply it.
+    /// Slope and strength of its limits: two of shear, two of rolling, tension if not implied.
     pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
         let ([f_t, c, m_0], [mu, m]) = (self.strengths, self.slopes);
         let [_, shear, rolling] = self.has.map(|has| if has { 2 } else { 0 });
@@ -198,8 +192,7 @@ pub fn forces_in_units(program: &ConeProgram, forces: &[[f64; 3]]) -> Vec<[f64; 
 }
 
 impl Scaled {
-    /// Scales a program. Its bodies come in this `order`: here, body k is `order[k]` of the
-    /// program.
+    /// Scales a program. Body k is `order[k]` of the program.
     pub fn new(program: &ConeProgram, order: &[usize]) -> Self {
         let mut out = Self::default();
         let place = places(order);
@@ -241,8 +234,7 @@ impl Scaled {
         self.known.push(known);
     }
 
-    /// The bodies of an interaction with their rows, and the kinematics of the fixed degrees of
-    /// freedom.
+    /// The bodies of an interaction with their rows, and the kinematics of known motions.
     fn arms(
         &self,
         program: &ConeProgram,
@@ -302,8 +294,7 @@ impl Scaled {
         [a as usize, self.images.body(b as usize)]
     }
 
-    /// The interaction between two bodies that remains of one with an image if the cell is held at
-    /// the displacements `u`.
+    /// What remains of an interaction, between two bodies, if the cell is held at `u`.
     pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
         let mut out = local.clone();
         let Arms { bodies, rows } = &mut out.arms;
@@ -340,8 +331,7 @@ impl Scaled {
         }
     }
 
-    /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
-    /// interactions.
+    /// Sets `out` to `m u - f` where free: the balance without the forces of the interactions.
     pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
         out[self.free.len()..].fill([0.0; 3]);
         for (i, out) in out[..self.free.len()].iter_mut().enumerate() {

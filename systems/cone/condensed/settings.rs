@@ -72,19 +72,17 @@ impl CondensedSettings {
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NewtonSettings {
-    /// Maximum number of factorisations.
-    /// 16 for the whole program: giving up earlier costs a tenth to a third of the time at the peak
-    /// of the rock specimen, because the interior point that follows costs more (decision 007). 30 for
-    /// patches: a guard.
+    /// Maximum number of factorisations. 16 for the whole program: giving up earlier costs a tenth
+    /// to a third of the time at the peak of the rock specimen, because the interior point that
+    /// follows costs more (decision 007). 30 for patches: a guard.
     pub max_iterations: u32,
     /// Length below which a step is tiny, as a fraction of the Newton step. Tiny steps in a row
     /// mean that every loose cluster holds all others back.
     /// 0.02: without the guard `retaining_wall`, `oedometer` and `isotropic_compression` take 2 to 12 %
     /// more factorisations.
     pub tiny_step: f64,
-    /// Maximum number of tiny steps in a row.
-    /// 4 for the whole program: with 1 or 2, six packings take 0.6 to 3 % more. None in patches, where
-    /// the guard changes nothing.
+    /// Maximum number of tiny steps in a row. 4 for the whole program: with 1 or 2, six packings
+    /// take 0.6 to 3 % more. None in patches, where the guard changes nothing.
     pub max_tiny_steps: u32,
     /// Damping of the first matrix: added to its diagonal, force over displacement. Halved by every
     /// factorisation. Keeps a step short where nothing is stiff.
@@ -92,8 +90,7 @@ pub struct NewtonSettings {
     /// patches of up to 1500 bodies, a tenth to a fifth of the time was saved (decision 007).
     /// Where it is not halved, nine laboratory scenes take 5 % more factorisations.
     pub damping: f64,
-    /// Derivative of the energy along a step at which the line search ends, as a fraction of that at
-    /// the start of the step.
+    /// Derivative of the energy along a step that ends the line search, over that at its start.
     pub max_slope: f64,
     /// Maximum number of evaluations of the derivative in a line search.
     /// 30: a bisection gains a factor of 1e9 with as many.
@@ -169,8 +166,7 @@ impl Default for LocalSettings {
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InteriorSettings {
-    /// Maximum number of factorisations.
-    /// 80: no solved program is known to have taken more than 59.
+    /// Maximum number of factorisations. 80: no solved program is known to have taken more than 59.
     pub max_iterations: u32,
     /// Maximum force of the elastic trial at the starting displacements. Where a contact carries
     /// more, the method starts from zero.

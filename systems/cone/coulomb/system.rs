@@ -1,5 +1,4 @@
-//! The complementarity system of all interactions and bodies, its residual, and linear solves with
-//! its derivative.
+//! The complementarity system, its residual, and linear solves with its derivative.
 
 use crate::program::ConeProgram;
 
@@ -9,8 +8,7 @@ use super::super::condensed::scaled::Scaled;
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
 
-/// A point, a step, or a residual: displacements (in a residual the balance) by place, and the
-/// interactions.
+/// A point, a step, or a residual: displacements (or the balance) by place, and interactions.
 #[derive(Clone, Debug, Default)]
 pub struct Vector {
     pub u: Vec<[f64; 3]>,

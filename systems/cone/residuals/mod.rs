@@ -11,9 +11,8 @@
 //! ```
 //!
 //! Two errors are left: a negative `lambda_T` (kinematics), and a multiplier of a limit with slack
-//! (complementarity; kinematics if the slack exceeds the maximum force). If the apex of the shear
-//! limit is above the tension limit (`c A < mu f_t`), both shear rows are active there and share
-//! `lambda_T`.
+//! (complementarity; kinematics if the slack exceeds the maximum force). At an apex of the shear
+//! limit above the tension limit (`c A < mu f_t`) both shear rows are active and share `lambda_T`.
 
 mod units;
 
@@ -21,8 +20,7 @@ pub(crate) use self::units::{MIN_FORCE, Units, applied_force};
 pub use self::units::{displacement_scale, force_scale};
 use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw};
 
-/// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
-/// (signed).
+/// Multipliers of the limits of an interaction, m, m, rad; slip and rotation are signed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers {
     /// `lambda_T` of `p >= -f_t`.
@@ -33,8 +31,7 @@ pub struct Multipliers {
     pub rotation: f64,
 }
 
-/// The multipliers under a law that follow from the kinematics `e` and the forces `f` of an
-/// interaction.
+/// The multipliers under a law, from the kinematics `e` and the forces `f` of an interaction.
 pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
     let slip = if l.has_shear() {
@@ -53,14 +50,12 @@ pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3
     Multipliers { tension, slip, rotation }
 }
 
-/// The four residuals of a solution. The force of a regularisation counts as an error of the
-/// balance.
+/// The residuals of a solution. The force of a regularisation is an error of the balance.
 pub fn residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 0.0)
 }
 
-/// The residuals of the program that the solver was given: the force of a regularisation is part of
-/// the balance.
+/// As [`residuals`], with the force of a regularisation as part of the balance.
 pub fn regularised_residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 1.0)
 }

@@ -105,14 +105,12 @@ impl Units {
         }
     }
 
-    /// Unit of the displacements of an interaction, m. The error of a spring is an error of its
-    /// force.
+    /// Unit of displacements of an interaction, m. A spring's error is one of its force.
     pub(crate) fn displacement_of(&self, c: &Interaction) -> f64 {
         if c.normal_compliance == 0.0 { self.rigid } else { self.displacement }
     }
 
-    /// Raises the residual of the balance to that of a body; `row` is the force of its
-    /// interactions.
+    /// Raises the residual of the balance to that of a body with the force `row`.
     pub(crate) fn of_balance(
         &self,
         body: &ProgramBody,

@@ -1,8 +1,7 @@
 //! The data of one interaction in the interior-point method, and its part of an iteration.
 //!
-//! An iteration passes over all interactions several times, and these passes wait for memory.
-//! Interactions of a kind therefore lie together, without room for forces and limits that the kind
-//! does not have.
+//! An iteration passes over all interactions several times, and these passes wait for memory. Those
+//! of a kind therefore lie together, without room for forces and limits that the kind lacks.
 
 use std::ops::Add;
 
@@ -155,8 +154,7 @@ impl Ahead {
     pub fn bound_growth(&mut self, factor: f64) {
         let [constant, linear, quadratic] = self.products;
         if self.products_after() > factor * constant && constant > 0.0 {
-            // The positive root of quadratic x^2 + linear x = (factor - 1) constant, without
-            // cancellation.
+            // The positive root of quadratic x^2 + linear x = right, without cancellation.
             let right = (factor - 1.0) * constant;
             let root = (linear * linear + 4.0 * quadratic * right).max(0.0).sqrt();
             self.length = self.length.min(2.0 * right / (linear + root));
@@ -164,8 +162,7 @@ impl Ahead {
     }
 }
 
-/// What the responses A and B say about tau: their gains, and the sum of squares in the
-/// denominator of its step.
+/// What the responses A and B say about tau: their gains, and the squares that divide its step.
 #[derive(Clone, Copy, Default)]
 pub struct Gains {
     pub of_residuals: f64,
@@ -196,7 +193,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             trial[f] = if c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 };
         }
         let mut x = Variables::default();
-        // The trial clamped to the limits: normal force first, then the others at that normal force.
+        // The trial clamped to the limits: normal force first, then the others with it.
         x.s[0] = trial[0].max(local.lowest());
         for k in 0..Law::<F, Q>::PAIRS {
             let strength = (law.right[2 * k] + law.slopes[k] * x.s[0]).max(0.0);
@@ -232,9 +229,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Takes forces near the solution, with the multipliers of their stationarity. Slacks and
-    /// multipliers are then shifted to equal products: `w - lambda` stays, `w lambda` is the
-    /// product.
+    /// Takes forces near the solution, with the multipliers of their stationarity. They are then
+    /// shifted to equal products: `w - lambda` stays, `w lambda` is the product.
     pub fn warm(&mut self, u: &[[f64; 3]], warm: Warm) {
         let Self { law, x, .. } = self;
         x.s = first(&warm.forces[self.number]);
@@ -251,8 +247,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             gap -= law.slopes[k] * slip.abs();
             slopes += 2.0 * law.slopes[k];
         }
-        // The gap less the dilation of the slips goes to the limit of tension, or in equal parts to
-        // the other limits.
+        // The gap less the dilation goes to the limit of tension, or in equal parts to the others.
         if Law::<F, Q>::HAS_TENSION {
             multipliers[Q - 1] = gap;
         } else {
@@ -409,8 +404,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Aims the corrector at the product `target`, with the products of the predictor's steps taken
-    /// into account.
+    /// Aims the corrector at the product `target`, less the products of the predictor's steps.
     pub fn aim(&mut self, target: f64, right: &mut Rows) {
         self.correction = self.correction.map(|product| product - target);
         let b = std::array::from_fn(|q| self.correction[q] / self.x.lambda[q]);
@@ -423,7 +417,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         self.gain(&self.respond(du, 0.0, self.correction))
     }
 
-    /// The whole step that belongs to a step of the bodies, with parts of the residuals and products.
+    /// The whole step for a step of the bodies, with these parts of residuals and products.
     pub fn set_step(&mut self, du: &[[f64; 3]], parts: [f64; 2], rho: f64, ahead: &mut Ahead) {
         let [of_residuals, of_products] = parts;
         let (correction, products) = (self.correction, self.x.products());

@@ -1,8 +1,8 @@
 //! The interactions by branches of the body matrix, so that several threads pass over them at once.
 //!
-//! Interactions within a branch touch no body and no block of the matrix of another branch.
-//! The other interactions come after all branches. Sums are over the branches in their order,
-//! whatever the number of threads.
+//! Interactions within a branch touch no body and no block of the matrix of another branch. All
+//! others come after them. Sums are over the branches in their order, whatever the number of
+//! threads.
 
 use std::ops::{Add, Range};
 
@@ -56,7 +56,7 @@ impl Groups {
         self.branches.iter_mut().chain([&mut self.rest])
     }
 
-    /// Calls `f` for the interactions of every group with a sum of its own, and adds the sums to
+    /// Calls `f` for every group of interactions with a sum of its own, and adds the sums to
     /// `start`.
     pub fn sum<R: Default + Add<Output = R> + Send>(
         &mut self,
@@ -83,8 +83,7 @@ impl Groups {
         results
     }
 
-    /// Calls `f` for the interactions of every group with two sets of rows of their bodies and
-    /// their part of the matrix.
+    /// Calls `f` for every group with two sets of rows of its bodies and its part of the matrix.
     pub fn condense(
         &mut self,
         matrix: &mut BodyMatrix,

@@ -10,8 +10,7 @@ use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::{Local, Scaled};
 use crate::condensed::settings::InteriorSettings;
 
-/// Minimum of k at the start, force times displacement: a start without products is no reason to
-/// begin at the boundary.
+/// Minimum of k at the start, force times displacement: not at the boundary.
 const MIN_K: f64 = 1e-6;
 /// Maximum displacement of a start. The residuals of a start further away are round-off.
 const MAX_START: f64 = 1e4;
@@ -23,8 +22,7 @@ const GAP_ROUND_OFF: f64 = 1e-11;
 const KINEMATIC_ROUND_OFF: f64 = 1e-15;
 /// Defect of a linear solve, over the maximum force, that round-off leaves.
 const SOLVE_ROUND_OFF: f64 = 1e-14;
-/// Maximum step of tau over tau. At the end of a solve the gap is round-off, and tau must not run
-/// away with it.
+/// Maximum step of tau over tau, which must not run away with a gap that is round-off.
 const MAX_GROWTH: f64 = 1.0;
 /// Round-off of the matrix over its stiffnesses.
 const MATRIX_ROUND_OFF: f64 = 1e-15;
@@ -177,8 +175,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Residual of the point: balance and limits over the maximum force, kinematics, and the
-    /// maximum product. The mean product says little of a start near a solution, where most are
-    /// zero.
+    /// maximum product: the mean says little of a start near a solution, where most are zero.
     pub fn merit(&self) -> f64 {
         let Sizes { kinematic, primal, product, .. } = self.sizes;
         let force = self.force();
@@ -251,8 +248,8 @@ impl<'a> Iteration<'a> {
         program.images.fold(of_products);
     }
 
-    /// Factorises and solves for the responses to residuals and to products; whether the matrix has
-    /// a factor.
+    /// Factorises and solves for the responses to residuals and products; whether there is a
+    /// factor.
     pub fn respond(&mut self) -> bool {
         let Self { program, matrix, groups, rights, responses, u, .. } = self;
         let [a, b, _] = responses;
@@ -445,8 +442,8 @@ impl<'a> Iteration<'a> {
     }
 }
 
-/// Minimum compliance of an interaction in a step, displacement over force. It bounds the stiffnesses
-/// of the matrix, whose round-off must stay below the weakest stiffness that holds a body.
+/// Minimum compliance of an interaction in a step. It bounds the stiffnesses of the matrix, whose
+/// round-off must stay below the weakest stiffness that holds a body.
 fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> f64 {
     let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
     let weakest = free.filter(|(free, _)| **free).map(|(_, w)| *w).fold(f64::INFINITY, f64::min);

@@ -1,5 +1,4 @@
-//! The law of one interaction: its limits, their slacks and multipliers, and the rows of its two
-//! bodies.
+//! The law of one interaction: its limits with slacks and multipliers, and the rows of its bodies.
 
 use super::super::scaled::{Arms, Local, first};
 use super::point::slack;
@@ -67,8 +66,7 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
     }
 }
 
-/// Forces, slacks and multipliers of one interaction, or their steps. At a point slacks and
-/// multipliers are positive.
+/// Forces, slacks and multipliers of one interaction, or their steps. At a point w, lambda > 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Variables<const F: usize, const Q: usize> {
     pub s: [f64; F],

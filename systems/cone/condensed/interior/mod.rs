@@ -1,7 +1,6 @@
 //! The interior-point method: a homogeneous embedding of the program, which always decides.
 //!
-//! **The problem.** With the forces s of all interactions and the displacements u of all bodies, a
-//! solution fulfils
+//! **The problem.** Forces s of all interactions and displacements u of all bodies fulfil
 //!
 //! ```text
 //! M u + G s = f                        balance
@@ -69,9 +68,8 @@ use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::InteriorSettings;
 
-/// Runs the method from displacements and forces, without forces from the elastic trial at the
-/// displacements, until the judge accepts a point near the goal or a proof, or the residual no
-/// longer falls.
+/// Runs the method from displacements and forces, or the elastic trial at the displacements, until
+/// the judge accepts a point near the goal or a proof, or the residual no longer falls.
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,

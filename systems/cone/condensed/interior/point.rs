@@ -106,8 +106,7 @@ pub struct Warm<'a> {
     pub product: f64,
 }
 
-/// The slack w of a limit whose multiplier lambda has `w - lambda = difference` and
-/// `w lambda = product`.
+/// The slack w of a limit with `w - lambda = difference` and `w lambda = product`.
 #[inline]
 pub fn slack(difference: f64, product: f64) -> f64 {
     let root = difference.hypot(2.0 * product.sqrt());

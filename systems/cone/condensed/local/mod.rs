@@ -3,13 +3,11 @@
 //!
 //! After a rupture a few contacts out of thousands change their state, and a cluster that came
 //! loose dominates the global direction. One global step length then serves one cluster per
-//! factorisation. Each cluster on its own is a small problem (`patches`). It is solved to the goal of
-//! the whole program: if all but a few clusters are elastic, its unbalance becomes that of the whole
-//! program after the next step. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai
-//! and Keyes 2002.)
+//! factorisation. Each cluster on its own is a small problem (`patches`). It is solved to the goal
+//! of the whole program: if all but a few clusters are elastic, its unbalance becomes that of the
+//! program after the next step (nonlinear elimination: Cai and Keyes 2002).
 //!
-//! Where a few fast bodies shorten a global step, the step is made without them. Local elimination
-//! then balances them.
+//! A step that a few fast bodies shorten is made without them. Local elimination balances them.
 
 mod patches;
 
@@ -21,8 +19,7 @@ use super::settings::{LocalSettings, NewtonSettings};
 use super::spring::{Elastic, RollingSpring, Spring};
 use crate::adjacency::Adjacency;
 
-/// Solves the program from the displacements `start` until the unbalance over the maximum force is
-/// at most `goal`.
+/// Solves the program from displacements until unbalance over maximum force is at most `goal`.
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
@@ -77,8 +74,7 @@ impl<'a> Elimination<'a> {
             || self.program.images.is_cell(body)
     }
 
-    /// Eliminates bodies before the next step where that pays; whether any moved. The point is then
-    /// evaluated again.
+    /// Eliminates bodies before the next step where that pays; whether any moved.
     pub fn move_bodies<S: Elastic<F>, const F: usize>(&mut self, point: &mut Point<S, F>) -> bool {
         let is_first = !std::mem::replace(&mut self.is_done, true);
         let is_short = self.last_length < self.settings.short_step;
@@ -138,8 +134,7 @@ impl<'a> Elimination<'a> {
         Some((fast, Step { du, de, length: *length }))
     }
 
-    /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
-    /// moved.
+    /// Brings bodies that are furthest out of balance, and fast ones, to it; whether any moved.
     fn eliminate<S: Elastic<F>, const F: usize>(&self, point: &mut Point<S, F>) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let n = self.program.free.len();

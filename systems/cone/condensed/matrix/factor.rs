@@ -27,8 +27,8 @@ pub trait Arithmetic: Send + Sync {
     /// Adds `G D G'` to the numbers of a body with the rows G.
     fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]);
 
-    /// Adds `G D G'` to the numbers of a pair with the rows G, those of the body that is eliminated
-    /// first coming first.
+    /// Adds `G D G'` to the numbers of a pair with the rows G, of the body eliminated first and of
+    /// the other.
     fn add_pair<const F: usize>(
         block: &mut Self::Pair,
         rows: [&[[f64; F]; 3]; 2],
@@ -52,12 +52,11 @@ pub trait Arithmetic: Send + Sync {
         room: [&mut [f64]; 2],
     ) -> bool;
 
-    /// Forward solve of one front. `local` has the numbers of its pivots and rows, and [`LANES`]
-    /// zeros.
+    /// Forward solve of a front. `local` has numbers of its pivots and rows, and [`LANES`] zeros.
     fn forward(&self, at: At, local: &mut [f64]);
 
-    /// Backward solve of one front. `local` has the numbers of its pivots, the solution of its rows,
-    /// and [`LANES`] zeros.
+    /// Backward solve of a front. In `local` are its pivots, the solution of its rows, [`LANES`]
+    /// zeros.
     fn backward(&self, at: At, local: &mut [f64]);
 }
 
@@ -125,7 +124,7 @@ struct Part<A> {
     /// Right side and solution of its bodies, then of those beyond: the task adds to the right side
     /// of those, and needs their solution.
     work: Vec<[f64; 3]>,
-    /// Numbers of two kinds that its largest fronts need, and of the right side and solution of a front.
+    /// Numbers of two kinds that its largest fronts need, and for the right side of a front.
     room: [usize; 3],
 }
 
@@ -229,8 +228,7 @@ impl<A: Arithmetic> Factor<A> {
     }
 }
 
-/// Sets the work of a task to the right side, with the contributions of the tasks below it one
-/// after the other.
+/// Sets the work of a task to the right side, and adds what the tasks below it contribute.
 fn gather_below<A>(
     fronts: &Fronts,
     task: usize,

@@ -1,5 +1,4 @@
-//! The data of a factorisation that depend on the pattern only: fronts, their order, and the places
-//! of their numbers.
+//! The data of a factorisation that depend on the pattern only: fronts, and places of numbers.
 //!
 //! A front has pivots, a group of bodies that are eliminated together, and rows, the bodies that
 //! are coupled with them. Its numbers are a dense trapezoid, the columns of the factor at its
@@ -168,8 +167,7 @@ impl Fronts {
         branches
     }
 
-    /// Work of the longest path over that of the whole tree, where `threads` threads share the work
-    /// on large fronts.
+    /// Work of the longest path over that of the tree, where `threads` threads share large fronts.
     pub fn longest_path(&self, threads: usize) -> f64 {
         let (mut total, mut longest) = (0.0, 0.0_f64);
         let mut below = vec![0.0_f64; self.tasks.len()];

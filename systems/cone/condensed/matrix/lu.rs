@@ -16,8 +16,7 @@ use super::share::{By, Share, in_pieces};
 /// Numbers in the block of a body, row by row, and in each block of a pair: rows of the body that
 /// is eliminated first in columns of the other, then the transposed place.
 const BODY: usize = 9;
-/// A pivot stays on the diagonal if it is at least this part of the maximum of its column among the
-/// pivots of the front.
+/// A pivot stays on the diagonal if it is at least this part of its column's maximum in the pivots.
 const THRESHOLD: f64 = 0.1;
 /// Number of pivots whose rows are subtracted from the rows below in one pass.
 const TOGETHER: usize = 4;

@@ -20,8 +20,7 @@ pub struct Group {
     zeros: usize,
 }
 
-/// Rows below the diagonal of every column of the factor. The first is its parent in the elimination
-/// tree.
+/// Rows below the diagonal of every column of the factor. The first is its parent in the tree.
 pub fn columns(order: &[usize], neighbours: &Adjacency) -> Vec<Vec<u32>> {
     let n = order.len();
     let place = places(order);

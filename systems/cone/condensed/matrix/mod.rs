@@ -3,10 +3,9 @@
 //! 1992); under Coulomb's law it is not symmetric and the method is LU on the same fronts.
 //!
 //! Its pattern is the graph of bodies and interactions. The order of elimination (approximate
-//! minimum degree on that graph) and the fronts are kept as long as the pattern stays. Most fronts
-//! have a handful of bodies, and the number of three unknowns per body is known to the compiler.
-//! The factorisation is therefore two to four times as fast as one for general matrices (decision
-//! 005).
+//! minimum degree) and the fronts are kept as long as the pattern stays. Most fronts have a handful
+//! of bodies, and the three unknowns per body are known to the compiler: the factorisation is two
+//! to four times as fast as one for general matrices (decision 005).
 
 mod assembly;
 mod cholesky;
@@ -130,8 +129,8 @@ impl<A: Arithmetic> Matrix<A> {
         self.fronts.tasks.len()
     }
 
-    /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
-    /// threads share the work on large fronts: a lower bound of the part of the time that they take.
+    /// Work of the longest path of the tree of fronts over that of the tree, where `threads`
+    /// threads share large fronts: a lower bound of the part of the time that they take.
     pub fn longest_path(&self, threads: usize) -> f64 {
         self.fronts.longest_path(threads)
     }

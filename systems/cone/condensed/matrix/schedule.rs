@@ -1,8 +1,7 @@
 //! Passes over the tasks of a tree, on several threads where the pool has some.
 //!
 //! `sizes` has the number of tasks in the subtree of each, itself included; every task comes after
-//! the rest of its subtree. The recursion is at most as deep as there are tasks, about a
-//! thousand.
+//! the rest of its subtree. The recursion is at most as deep as there are tasks, about a thousand.
 
 use super::super::parallel::join;
 

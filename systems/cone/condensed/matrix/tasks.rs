@@ -9,8 +9,7 @@
 
 use super::merge::Group;
 
-/// Minimum number of bodies of a matrix with more than one task: for less, a second thread gains
-/// nothing.
+/// Minimum number of bodies of a matrix with several tasks: a second thread gains nothing below.
 const MIN_BODIES: usize = 1000;
 /// Maximum work of a subtree that is not cut, as a part of the whole.
 const GRAIN: f64 = 1.0 / 200.0;
@@ -20,8 +19,7 @@ const MIN_WORK: f64 = 1e6;
 
 #[derive(Default)]
 pub struct Cut {
-    /// The columns at the feet of its subtrees. The tasks below it are parts of these subtrees that
-    /// do not belong to it.
+    /// The columns at the feet of its subtrees, of which the tasks below it have their parts.
     pub feet: Vec<usize>,
     /// Number of tasks in its subtrees, itself included: it comes last of them.
     pub size: usize,
