@@ -12,9 +12,9 @@ use crate::program::{ConeProgram, ProgramCell};
 
 #[derive(Clone, Copy, Debug)]
 struct Image {
+    /// Place of its body, and the free degrees of freedom there.
     of: usize,
-    /// Interaction that it takes part in.
-    interaction: usize,
+    free: [bool; 3],
     /// Shift over the length of the cell.
     shift: DVec2,
 }
@@ -31,8 +31,7 @@ pub struct Images {
     cell: usize,
     axis: DVec2,
     law: ProgramCell,
-    /// Free degrees of freedom of the bodies of the images, and those of the cell.
-    free: Vec<[bool; 3]>,
+    /// Free degrees of freedom of the cell.
     of_cell: [bool; 3],
 }
 
@@ -51,23 +50,18 @@ impl Images {
     /// The images of a program whose bodies have these places and free degrees of freedom.
     pub fn of(program: &ConeProgram, place: &[usize], free: &[[bool; 3]]) -> Self {
         let Some(law) = program.cell else { return Self::default() };
+        let (mut list, mut of_interaction) = (Vec::new(), Vec::new());
         let interactions = program.interactions.iter().enumerate();
-        let list: Vec<Image> = interactions
-            .filter(|(_, c)| c.is_across())
-            .map(|(interaction, c)| Image { of: place[c.b as usize], interaction, shift: c.image })
-            .collect();
-        let cell = place[law.body as usize];
-        let mut of_interaction = Vec::new();
-        if !list.is_empty() {
+        for (number, c) in interactions.filter(|(_, c)| c.is_across()) {
             of_interaction.resize(program.interactions.len(), u32::MAX);
+            of_interaction[number] = list.len() as u32;
+            let of = place[c.b as usize];
+            list.push(Image { of, free: free[of], shift: c.image });
         }
-        for (k, image) in list.iter().enumerate() {
-            of_interaction[image.interaction] = k as u32;
-        }
+        let cell = place[law.body as usize];
         // The arm is a length per rotation: in units of the scales a length over a length.
         let law = ProgramCell { arm: law.arm / program.scales.length, ..law };
         Self {
-            free: list.iter().map(|image| free[image.of]).collect(),
             of_cell: free[cell],
             list,
             of_interaction,
@@ -97,7 +91,7 @@ impl Images {
     /// The body behind a place: the body of an image, or the body itself.
     #[inline]
     pub fn body(&self, place: usize) -> usize {
-        place.checked_sub(self.bodies).and_then(|k| self.list.get(k)).map_or(place, |i| i.of)
+        self.number(place).map_or(place, |k| self.list[k].of)
     }
 
     /// Displacements of bodies with room for those of the images after them.
@@ -121,7 +115,7 @@ impl Images {
         for (k, image) in self.list.iter().enumerate() {
             let shift = self.by_cell(k, u, false);
             let of = u[image.of];
-            let own: [f64; 3] = std::array::from_fn(|d| if self.free[k][d] { of[d] } else { 0.0 });
+            let own: [f64; 3] = std::array::from_fn(|d| if image.free[d] { of[d] } else { 0.0 });
             u[self.bodies + k] = [own[0] + shift.x, own[1] + shift.y, own[2]];
         }
     }
@@ -130,7 +124,7 @@ impl Images {
     pub fn fold(&self, rows: &mut [[f64; 3]]) {
         for (k, image) in self.list.iter().enumerate() {
             let force = std::mem::take(&mut rows[self.bodies + k]);
-            for d in (0..3).filter(|d| self.free[k][*d]) {
+            for d in (0..3).filter(|d| image.free[*d]) {
                 rows[image.of][d] += force[d];
             }
             let of_cell = self.law.rows(image.shift, self.axis, &[[force[0]], [force[1]]]);
@@ -149,11 +143,13 @@ impl Images {
         let masked = |rows: &[[f64; F]; 3], free: &[bool; 3]| -> [[f64; F]; 3] {
             std::array::from_fn(|d| if free[d] { rows[d] } else { [0.0; F] })
         };
-        let of_cell = self.law.rows(self.list[k].shift, self.axis, &[of[0], of[1]]);
-        (masked(of, &self.free[k]), masked(&of_cell, &self.of_cell))
+        let image = &self.list[k];
+        let of_cell = self.law.rows(image.shift, self.axis, &[of[0], of[1]]);
+        (masked(of, &image.free), masked(&of_cell, &self.of_cell))
     }
 
     /// The number of the image that has this place; `None` for a body.
+    #[inline]
     pub fn number(&self, place: usize) -> Option<usize> {
         place.checked_sub(self.bodies).filter(|k| *k < self.list.len())
     }

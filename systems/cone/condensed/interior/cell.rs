@@ -17,7 +17,7 @@ pub struct Cell<const F: usize, const Q: usize> {
     /// Its place in the program.
     number: usize,
     law: Law<F, Q>,
-    x: Variables<F, Q>,
+    pub x: Variables<F, Q>,
     /// Residuals of stationarity.
     stationarity: [f64; F],
     /// Residuals of the limits.
@@ -259,10 +259,6 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let left = law.right[q] - law.limit(q, &x.s);
             x.set(q, left - multipliers[q], warm.product);
         }
-    }
-
-    pub fn normal_force(&self) -> f64 {
-        self.x.s[0]
     }
 
     /// Makes `length` times the step, evaluates the residuals, and adds the forces to the balance.

@@ -54,7 +54,7 @@ impl Arithmetic for Cholesky {
 
     /// Its trapezoid, and the copy of it if it is large.
     fn room(front: &Front) -> [usize; 2] {
-        [front.panel_len(), packed::packed_len(front)]
+        [front.height() * front.width(), packed::packed_len(front)]
     }
 
     #[inline(always)]

@@ -11,8 +11,8 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::dense::LANES;
 use super::fronts::{Front, Fronts, Task};
-use super::schedule::{downward, upward};
 use super::share::{By, Share, dispatch};
+use super::tasks::{downward, upward};
 use crate::condensed::parallel::{Memory, split};
 
 /// The factor of a task, and the arithmetic of its fronts. All functions are inlined into a caller
@@ -70,8 +70,7 @@ pub struct Values<'a, B, P> {
 pub struct At<'a> {
     pub fronts: &'a Fronts,
     task: &'a Task,
-    /// Its number among all, and within its task.
-    pub number: usize,
+    /// Its number within its task.
     pub within: usize,
     pub front: &'a Front,
 }
@@ -79,15 +78,8 @@ pub struct At<'a> {
 impl<'a> At<'a> {
     fn all(fronts: &'a Fronts, task: usize) -> impl DoubleEndedIterator<Item = Self> {
         let task = &fronts.tasks[task];
-        let first = task.fronts.start;
         let list = fronts.list[task.fronts.clone()].iter().enumerate();
-        list.map(move |(within, front)| Self {
-            fronts,
-            task,
-            number: first + within,
-            within,
-            front,
-        })
+        list.map(move |(within, front)| Self { fronts, task, within, front })
     }
 
     pub fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
@@ -96,8 +88,8 @@ impl<'a> At<'a> {
 
     /// Blocks of its pairs, each with the places of the two bodies among its pivots and rows.
     pub fn of_pairs<P>(self, pairs: &'a [P]) -> impl Iterator<Item = (&'a [u32; 2], &'a P)> {
-        let starts = &self.fronts.pair_starts;
-        let own = starts[self.number]..starts[self.number + 1];
+        let starts = &self.fronts.pair_starts[self.task.fronts.start + self.within..];
+        let own = starts[0]..starts[1];
         self.fronts.pairs[own.clone()].iter().zip(&pairs[own])
     }
 
@@ -144,7 +136,8 @@ impl<A: Arithmetic> Factor<A> {
                 let own = [a, b, 3 * front.bodies() + LANES];
                 room = [0, 1, 2].map(|k| own[k].max(room[k]));
             }
-            let (factor, work) = (A::new(fronts, task), vec![[0.0; 3]; task.bodies()]);
+            let (factor, work) =
+                (A::new(fronts, task), vec![[0.0; 3]; task.places.len() + task.beyond.len()]);
             Part { factor, updates: Vec::new(), work, room }
         };
         let parts = fronts.tasks.iter().map(part).collect();
@@ -198,10 +191,7 @@ impl<A: Arithmetic> Factor<A> {
         let Self { parts, memory, instructions } = self;
         upward(0, &fronts.sizes, parts, &|task, below, part| {
             gather_below(fronts, task, right, below, &mut part.work);
-            let mut local = memory.take(part.room[2]);
-            let local_of = &mut local;
-            instructions.dispatch(Solve { fronts, task, part, local: local_of, backward: false });
-            memory.give(local);
+            instructions.dispatch(Solve { fronts, task, part, memory, backward: false });
             true
         });
     }
@@ -219,10 +209,7 @@ impl<A: Arithmetic> Factor<A> {
                     *x = above.work[*place as usize];
                 }
             }
-            let mut local = memory.take(part.room[2]);
-            let local_of = &mut local;
-            instructions.dispatch(Solve { fronts, task, part, local: local_of, backward: true });
-            memory.give(local);
+            instructions.dispatch(Solve { fronts, task, part, memory, backward: true });
             x.copy_from_slice(&part.work[..x.len()]);
         });
     }
@@ -342,7 +329,7 @@ struct Solve<'a, A> {
     fronts: &'a Fronts,
     task: usize,
     part: &'a mut Part<A>,
-    local: &'a mut [f64],
+    memory: &'a Memory,
     backward: bool,
 }
 
@@ -351,17 +338,19 @@ impl<A: Arithmetic> WithSimd for Solve<'_, A> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { fronts, task, part, local, backward } = self;
-        if !backward {
-            for at in At::all(fronts, task) {
-                solve_front(&part.factor, at, &mut part.work, local);
+        let Self { fronts, task, part, memory, backward } = self;
+        let mut local = memory.take(part.room[2]);
+        if backward {
+            for at in At::all(fronts, task).rev() {
+                let local = gather(at, &part.work, &mut local);
+                part.factor.backward(at, local);
+                store(&mut part.work[at.front.pivots.clone()], local);
             }
-            return;
+        } else {
+            for at in At::all(fronts, task) {
+                solve_front(&part.factor, at, &mut part.work, &mut local);
+            }
         }
-        for at in At::all(fronts, task).rev() {
-            let local = gather(at, &part.work, local);
-            part.factor.backward(at, local);
-            store(&mut part.work[at.front.pivots.clone()], local);
-        }
+        memory.give(local);
     }
 }

@@ -9,8 +9,7 @@ use std::ops::Range;
 
 use super::dense::LANES;
 use super::packed::packed_len;
-use super::schedule::parents;
-use super::tasks::work;
+use super::tasks::{parents, work};
 
 /// Number of branches in which passes over the interactions are divided, as far as the tree allows.
 const BRANCHES: usize = 16;
@@ -48,10 +47,6 @@ impl Front {
         (3 * self.bodies() + LANES - 1).next_multiple_of(LANES)
     }
 
-    pub fn panel_len(&self) -> usize {
-        self.height() * self.width()
-    }
-
     pub fn bodies(&self) -> usize {
         self.pivots.len() + self.rows.len()
     }
@@ -74,12 +69,6 @@ pub struct Task {
     pub factor_len: usize,
     /// Maximum number of numbers in each of its two stacks of updates.
     pub update_len: [usize; 2],
-}
-
-impl Task {
-    pub fn bodies(&self) -> usize {
-        self.places.len() + self.beyond.len()
-    }
 }
 
 /// All fronts, children before their parents.

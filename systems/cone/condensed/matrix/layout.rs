@@ -8,8 +8,7 @@ use faer::sparse::linalg::amd;
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};
 use super::merge::{Group, columns, merge};
-use super::schedule::parents;
-use super::tasks::cut;
+use super::tasks::{cut, parents};
 use crate::adjacency::Adjacency;
 
 #[derive(Clone, Copy)]

@@ -16,7 +16,6 @@ mod layout;
 mod lu;
 mod merge;
 mod packed;
-mod schedule;
 mod share;
 mod tasks;
 
