@@ -97,8 +97,7 @@ impl ConeSolver for Clarabel {
                 solution.status = SolveStatus::Locked;
                 return Ok(solution);
             }
-            // Clarabel may give up on an infeasible program: the mechanism is the proof, not the
-            // status.
+            // Clarabel may give up on an infeasible program: the mechanism is the proof.
             _ => {
                 let mechanism = certificate(program, &solution.displacements).filter(proves);
                 if mechanism.is_some() {

@@ -111,8 +111,7 @@ pub struct ProgramCell {
 }
 
 impl ProgramCell {
-    /// Displacement of an image beyond that of its body, m, for displacements of the cell in global
-    /// axes.
+    /// Displacement of an image beyond that of its body, m, for those of the cell in global axes.
     pub fn shift(&self, image: DVec2, u: [f64; 3]) -> DVec2 {
         DVec2::new(image.x * u[0] + image.y * self.arm * u[2], image.y * u[1])
     }

@@ -80,8 +80,7 @@ impl Images {
         self.bodies > 0 && place == self.cell
     }
 
-    /// The image in an interaction, and the first of the two pairs that its bodies make with the
-    /// cell.
+    /// The image in an interaction, and the first of the two pairs of its bodies with the cell.
     #[inline]
     pub fn at(&self, interaction: usize) -> Option<(usize, usize)> {
         let k = *self.of_interaction.get(interaction)?;
@@ -154,8 +153,7 @@ impl Images {
         place.checked_sub(self.bodies).filter(|k| *k < self.list.len())
     }
 
-    /// The kinematics of image `k` with these rows by the known or unknown displacements of the
-    /// cell.
+    /// The kinematics of image `k` with these rows by known or unknown displacements of the cell.
     pub fn kinematics_by_cell(
         &self,
         k: usize,

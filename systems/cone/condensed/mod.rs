@@ -37,7 +37,7 @@ use self::posed::{Demand, Posed};
 use self::reduced::Reduced;
 use self::scaled::forces_in_units;
 pub use self::settings::CondensedSettings;
-use super::residuals::choose_displacements;
+use super::residuals::settle;
 use super::solver::{ConeSolver, MalformedProgram};
 
 /// Minimum residual that the Newton iteration and the interior point can reach.
@@ -131,10 +131,7 @@ impl Condensed {
             // The committed motion follows from the forces, and the forces of bodies at rest are
             // not exact.
             let tolerance = Demand::of(program, tolerance, &self.settings).tolerance;
-            let r = choose_displacements(program, &mut solution, tolerance);
-            if !(r.worst() <= tolerance) {
-                solution.status = SolveStatus::Stalled;
-            }
+            settle(program, &mut solution, tolerance);
         }
         solution
     }

@@ -11,7 +11,7 @@ use super::scaled::{Scaled, forces_in_units};
 use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
 use crate::certificate::{certificate, locks, proves};
 use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
-use crate::residuals::{MAX_BALANCE, choose_displacements};
+use crate::residuals::{MAX_BALANCE, settle};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -210,17 +210,13 @@ impl Units<'_> {
         message: &str,
     ) -> ConeSolution {
         let mut solution = ConeSolution {
-            status: SolveStatus::Stalled,
             forces: self.forces(s),
             displacements: self.displacements(u),
             iterations,
             message: message.to_owned(),
             ..ConeSolution::default()
         };
-        let residuals = choose_displacements(self.program, &mut solution, self.tolerance);
-        if residuals.worst() <= self.tolerance {
-            solution.status = SolveStatus::Solved;
-        }
+        settle(self.program, &mut solution, self.tolerance);
         solution
     }
 

@@ -18,7 +18,7 @@
 
 use super::scaled::{Arms, Local, Scaled, first, forces_in_units};
 use crate::program::{ConeProgram, ConeSolution, Interaction, SlidingLaw, SolveStatus};
-use crate::residuals::choose_displacements;
+use crate::residuals::settle;
 
 /// Number of sweeps in a round, after which the residual is computed.
 ///
@@ -176,9 +176,7 @@ impl<const F: usize> Sweeps<F> {
             message: "sweeps".to_owned(),
             ..ConeSolution::default()
         };
-        out.residuals = choose_displacements(program, &mut out, tolerance);
-        let is_solved = out.residuals.worst() <= tolerance;
-        out.status = if is_solved { SolveStatus::Solved } else { SolveStatus::Stalled };
+        settle(program, &mut out, tolerance);
         out
     }
 }

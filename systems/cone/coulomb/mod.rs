@@ -61,8 +61,7 @@ impl Coulomb {
         Self { settings, ..Self::default() }
     }
 
-    /// A time step in which grains slide after [sweeps](sweeps::sweep) of Coulomb's law from the last
-    /// forces.
+    /// A time step in which grains slide after [sweeps](sweeps::sweep) from the last forces.
     ///
     /// `None` where sweeps do not apply, where bodies sleep, which the associated solver leaves out,
     /// and where nothing slides: both laws then have the same solution, and the associated one is the

@@ -16,8 +16,7 @@ pub struct CoulombSettings {
     pub share: f64,
     /// Maximum number of factorisations of the interior-point iteration.
     pub max_iterations: u32,
-    /// Products at the start of the first and of the second arc. Their order is fixed, so that runs
-    /// repeat.
+    /// Products at the start of the first and of the second arc, in a fixed order: runs repeat.
     pub arc_products: [f64; 2],
     /// Maximum number of factorisations of an arc.
     pub max_arc: u32,

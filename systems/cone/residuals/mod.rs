@@ -18,7 +18,9 @@ mod units;
 
 pub(crate) use self::units::{MIN_FORCE, Units, applied_force};
 pub use self::units::{displacement_scale, force_scale};
-use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw};
+use crate::program::{
+    ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw, SolveStatus,
+};
 
 /// Multipliers of the limits of an interaction, m, m, rad; slip and rotation are signed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +94,14 @@ pub fn choose_displacements(
     }
     solution.displacements = other;
     following
+}
+
+/// Gives a solution the displacements that are [chosen](choose_displacements), its residuals, and its
+/// status: solved if they are within the tolerance, else stalled.
+pub(crate) fn settle(program: &ConeProgram, solution: &mut ConeSolution, tolerance: f64) {
+    solution.residuals = choose_displacements(program, solution, tolerance);
+    let is_solved = solution.residuals.worst() <= tolerance;
+    solution.status = if is_solved { SolveStatus::Solved } else { SolveStatus::Stalled };
 }
 
 fn evaluate(program: &ConeProgram, solution: &ConeSolution, regularisation: f64) -> Residuals {

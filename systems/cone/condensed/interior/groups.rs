@@ -56,8 +56,7 @@ impl Groups {
         self.branches.iter_mut().chain([&mut self.rest])
     }
 
-    /// Calls `f` for every group of interactions with a sum of its own, and adds the sums to
-    /// `start`.
+    /// Calls `f` for every group with a sum of its own, and adds the sums to `start`.
     pub fn sum<R: Default + Add<Output = R> + Send>(
         &mut self,
         start: R,

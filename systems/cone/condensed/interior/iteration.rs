@@ -248,8 +248,7 @@ impl<'a> Iteration<'a> {
         program.images.fold(of_products);
     }
 
-    /// Factorises and solves for the responses to residuals and products; whether there is a
-    /// factor.
+    /// Factorises and solves for both responses; whether there is a factor.
     pub fn respond(&mut self) -> bool {
         let Self { program, matrix, groups, rights, responses, u, .. } = self;
         let [a, b, _] = responses;

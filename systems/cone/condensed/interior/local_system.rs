@@ -112,7 +112,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         }
     }
 
-    /// Steps of the forces, for `e`, kinematics less stationarity, and right sides `b` of the
+    /// Steps of the forces, for kinematics less stationarity `e`, and right sides `b` of the
     /// limits.
     #[inline]
     pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {

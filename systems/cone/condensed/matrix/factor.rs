@@ -27,8 +27,8 @@ pub trait Arithmetic: Send + Sync {
     /// Adds `G D G'` to the numbers of a body with the rows G.
     fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]);
 
-    /// Adds `G D G'` to the numbers of a pair with the rows G, of the body eliminated first and of
-    /// the other.
+    /// Adds `G D G'` to the numbers of a pair with the rows G, the body eliminated first coming
+    /// first.
     fn add_pair<const F: usize>(
         block: &mut Self::Pair,
         rows: [&[[f64; F]; 3]; 2],
@@ -55,7 +55,7 @@ pub trait Arithmetic: Send + Sync {
     /// Forward solve of a front. `local` has numbers of its pivots and rows, and [`LANES`] zeros.
     fn forward(&self, at: At, local: &mut [f64]);
 
-    /// Backward solve of a front. In `local` are its pivots, the solution of its rows, [`LANES`]
+    /// Backward solve of a front. `local` has its pivots, the solution of its rows, [`LANES`]
     /// zeros.
     fn backward(&self, at: At, local: &mut [f64]);
 }
