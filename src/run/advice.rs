@@ -122,7 +122,7 @@ fn with_wall_names(world: &World, text: String) -> String {
 /// Maximum residual of the best solution of the increment, if this solution is usable and only
 /// `acceptance.residual` rejects it.
 fn nearly(world: &World) -> Option<f64> {
-    let solution = world.resource::<ConeSolution>();
-    let worst = solution.residuals.worst();
-    (worst > solution.tolerance && worst <= GOOD).then_some(worst)
+    let worst = world.resource::<ConeSolution>().residuals.worst();
+    let accepted = world.resource::<Acceptance>().residual;
+    (worst > accepted && worst <= GOOD).then_some(worst)
 }

@@ -24,25 +24,38 @@ pub fn join(bodies: &BodyTable, interactions: &mut [Interaction]) {
     }
 }
 
-/// What the moment of weight and loads of the members about the body of a group loses with its
-/// rotation in a time step, N m/rad: they keep their directions while the levers turn.
+/// What the moment of weight and loads of the members about the body of a group loses in a time step,
+/// N m, and loses with the rotation, N m/rad: they keep their directions while the levers turn.
 ///
-/// The moment is the one where the geometry of the step is, after the part 1 - theta of the rotation.
-/// With that of the start and theta = 1/2 a pendulum gains energy. Half of the inertia is always left.
-pub(crate) fn turning_stiffness(
+/// With theta = 1/2 the moment is the work along the finite rotation over the rotation: with the moment
+/// of the start a pendulum would gain energy. With theta = 1, which takes energy, it is that of the
+/// start. Half of the inertia is always left.
+pub(crate) fn lost_by_turning(
     bodies: &BodyTable,
     group: &GroupRow,
     fraction: f64,
     analysis: &ClasticAnalysis,
-) -> f64 {
-    let AnalysisKind::Dynamic { dt, theta } = analysis.kind else { return 0.0 };
-    let of = |i: usize| {
+) -> [f64; 2] {
+    let AnalysisKind::Dynamic { dt, theta } = analysis.kind else { return [0.0; 2] };
+    let dt = fraction * dt;
+    let (mut along, mut across) = (0.0, 0.0);
+    for i in bodies.particles_of(group) {
         let [x, y, _] = bodies.loads[i].map(|ramp| ramp.at(fraction));
-        bodies.lever(group, i).dot(DVec2::new(x, y) + bodies.masses[i] * analysis.gravity)
+        let force = DVec2::new(x, y) + bodies.masses[i] * analysis.gravity;
+        let lever = bodies.lever(group, i);
+        along += lever.dot(force);
+        across += lever.perp_dot(force);
+    }
+    // Work along a rotation a: across sin a - along (1 - cos a), for a predicted angle.
+    let angle = 2.0 * (1.0 - theta) * bodies.rates(group.body as usize)[2] * dt;
+    let (sine, cosine) = if angle.abs() > 1e-4 {
+        (angle.sin() / angle, (1.0 - angle.cos()) / angle.powi(2))
+    } else {
+        (1.0, 0.5)
     };
-    let lost: f64 = bodies.particles_of(group).map(of).sum();
-    let inertia = group.mass_of(2) / (theta * (fraction * dt).powi(2));
-    ((1.0 - theta) * lost).max(-0.5 * inertia)
+    let inertia = group.mass_of(2) / (theta * dt * dt);
+    let stiffness = 2.0 * (1.0 - theta) * along * cosine;
+    [across * (1.0 - sine), stiffness.max(-0.5 * inertia)]
 }
 
 impl Rows<'_> {
@@ -71,7 +84,9 @@ impl Rows<'_> {
             };
             self.add_inertia(row, k, group.mass_of(k), &mut free);
             if k == 2 {
-                free.inertia += turning_stiffness(bodies, group, fraction, self.analysis);
+                let [moment, stiffness] = lost_by_turning(bodies, group, fraction, self.analysis);
+                free.load -= moment;
+                free.inertia += stiffness;
             }
             free.inertia += self.added(row)[k].stiffness;
             self.undriven(row, k, free)

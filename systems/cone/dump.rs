@@ -1,7 +1,5 @@
 //! A cone program and its solution as JSON, so that other solvers can check them.
 
-use std::borrow::Cow;
-
 use serde::{Deserialize, Serialize};
 
 use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, ProgramCell, Scales};
@@ -79,36 +77,32 @@ pub enum DumpError {
 
 /// The dump as it is written.
 #[derive(Serialize, Deserialize)]
-struct Written<'a> {
-    format: Cow<'a, str>,
+struct Written {
+    format: String,
     increment: u64,
-    stage: Cow<'a, str>,
+    stage: String,
     fraction: f64,
-    units: Units<'a>,
+    #[serde(skip_deserializing)]
+    units: Option<Units>,
     scales: Scales,
     bodies: Vec<Numbered>,
-    interactions: Cow<'a, [Interaction]>,
+    interactions: Vec<Interaction>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     cell: Option<ProgramCell>,
-    solution: Cow<'a, ConeSolution>,
+    solution: ConeSolution,
 }
 
-#[derive(Serialize, Deserialize)]
-struct Units<'a> {
-    length: Cow<'a, str>,
-    rotation: Cow<'a, str>,
-    force: Cow<'a, str>,
-    moment: Cow<'a, str>,
-    compliance: Cow<'a, str>,
+#[derive(Serialize)]
+struct Units {
+    length: &'static str,
+    rotation: &'static str,
+    force: &'static str,
+    moment: &'static str,
+    compliance: &'static str,
 }
 
-impl Default for Units<'_> {
-    fn default() -> Self {
-        let [length, rotation, force, moment, compliance] =
-            ["m", "rad", "N", "N m", "m/N"].map(Cow::Borrowed);
-        Self { length, rotation, force, moment, compliance }
-    }
-}
+const UNITS: Units =
+    Units { length: "m", rotation: "rad", force: "N", moment: "N m", compliance: "m/N" };
 
 /// A body with its number, for readers.
 #[derive(Serialize, Deserialize)]
@@ -118,7 +112,6 @@ struct Numbered {
     body: ProgramBody,
 }
 
-/// The description of a program.
 fn format(program: &ConeProgram) -> String {
     let mut text = FORMAT.to_owned();
     if program.cell.is_some() {
@@ -143,16 +136,16 @@ pub fn to_json(
 ) -> Result<String, serde_json::Error> {
     let numbered = |(id, body): (usize, &ProgramBody)| Numbered { id, body: *body };
     let mut text = serde_json::to_string(&Written {
-        format: format(program).into(),
+        format: format(program),
         increment,
-        stage: stage.into(),
+        stage: stage.to_owned(),
         fraction,
-        units: Units::default(),
+        units: Some(UNITS),
         scales: program.scales,
         bodies: program.bodies.iter().enumerate().map(numbered).collect(),
-        interactions: Cow::Borrowed(&program.interactions),
+        interactions: program.interactions.clone(),
         cell: program.cell,
-        solution: Cow::Borrowed(solution),
+        solution: solution.clone(),
     })?;
     text.push('\n');
     Ok(text)
@@ -169,15 +162,15 @@ pub fn from_json(text: &str) -> Result<Dump, DumpError> {
     }
     Ok(Dump {
         increment: written.increment,
-        stage: written.stage.into_owned(),
+        stage: written.stage,
         fraction: written.fraction,
         program: ConeProgram {
             bodies: written.bodies.into_iter().map(|numbered| numbered.body).collect(),
-            interactions: written.interactions.into_owned(),
+            interactions: written.interactions,
             scales: written.scales,
             cell: written.cell,
             ..ConeProgram::default()
         },
-        solution: written.solution.into_owned(),
+        solution: written.solution,
     })
 }

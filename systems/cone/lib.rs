@@ -36,16 +36,13 @@
 //! ```
 
 pub mod adjacency;
-mod body;
 pub mod certificate;
 pub mod clarabel;
 pub mod condensed;
 pub mod coulomb;
 pub mod dump;
 mod interaction;
-mod lowering;
 pub mod polish;
 pub mod program;
 pub mod residuals;
-mod solution;
 pub mod solver;

@@ -1,4 +1,4 @@
-//! The cone program of one increment, the input of every solver.
+//! The cone program of one increment, the input of every solver, and its solution.
 //!
 //! Unknowns are the forces (p, q, tau) of every interaction; the displacements are the
 //! multipliers of the balance rows. With m the inertia weights,
@@ -33,9 +33,66 @@ use bevy_ecs::reflect::ReflectResource;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-pub use crate::body::{Dof, FreeDof, ProgramBody};
 pub use crate::interaction::{Interaction, Limits, SlidingLaw};
-pub use crate::solution::{Certificate, ConeSolution, Residuals, SolveStatus};
+
+/// One degree of freedom of a body of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Dof {
+    /// Its displacement is known: imposed, held, or zero because no force acts on it.
+    Fixed(f64),
+    /// Its displacement is unknown and its balance is a row of the program.
+    Free(FreeDof),
+}
+
+/// A degree of freedom with a balance row `inertia u + proximal (u - reference) + G f = load`.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct FreeDof {
+    /// Load: applied force plus gravity plus, in dynamics, `inertia v_0 dt`; N or N m.
+    pub load: f64,
+    /// The part `inertia v_0 dt` of the load. It stands for the motion at the start of the
+    /// increment and counts as no force in the residuals.
+    pub momentum: f64,
+    /// Inertia `m / (theta dt^2)`, N/m (moments: N m/rad); 0 in static analysis.
+    pub inertia: f64,
+    /// Weight of the regularisation of a motion without stiffness, N/m (N m/rad); 0 otherwise.
+    /// Its force is an error of the balance and is counted as such in the residuals.
+    pub proximal: f64,
+    /// Motion that the regularisation pulls to, m (rad).
+    pub reference: f64,
+}
+
+/// A body of the program. Its translations are along `axis` and along `axis` turned by +90
+/// degrees, so that a wall that moves along its normal has one translation.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct ProgramBody {
+    /// Unit vector of the first translation.
+    pub axis: DVec2,
+    /// First translation, second translation, rotation.
+    pub dofs: [Dof; 3],
+}
+
+impl ProgramBody {
+    /// Whether any of its displacements is unknown.
+    pub fn is_free(&self) -> bool {
+        self.free().next().is_some()
+    }
+
+    /// Its degrees of freedom whose displacements are unknown, with their numbers.
+    pub fn free(&self) -> impl Iterator<Item = (usize, &FreeDof)> {
+        let dofs = self.dofs.iter().enumerate();
+        dofs.filter_map(|(k, dof)| if let Dof::Free(free) = dof { Some((k, free)) } else { None })
+    }
+
+    /// A displacement in the body's own axes turned into (x, y, rotation).
+    pub fn to_global(&self, local: [f64; 3]) -> [f64; 3] {
+        let v = self.axis * local[0] + self.axis.perp() * local[1];
+        [v.x, v.y, local[2]]
+    }
+}
 
 /// The deformation of a periodic cell as a body of the program.
 ///
@@ -54,16 +111,12 @@ pub struct ProgramCell {
 }
 
 impl ProgramCell {
-    /// Displacement of an image in excess of that of its body, m, for the displacements of the cell
-    /// in global axes.
-    #[must_use]
+    /// Displacement of an image beyond that of its body, m, for those of the cell in global axes.
     pub fn shift(&self, image: DVec2, u: [f64; 3]) -> DVec2 {
         DVec2::new(image.x * u[0] + image.y * self.arm * u[2], image.y * u[1])
     }
 
-    /// Coefficients of the forces in the rows of the cell, in the axes of its body, for the rows of
-    /// the image along x and y.
-    #[must_use]
+    /// Coefficients of the forces in the rows of the cell, for those of the image along x and y.
     pub fn rows<const F: usize>(
         &self,
         image: DVec2,
@@ -98,9 +151,7 @@ pub struct Scales {
 }
 
 impl Scales {
-    /// Units of the three degrees of freedom of a body: displacement (m, m, rad) and force (N, N,
-    /// N m).
-    #[must_use]
+    /// Units of the three motions of a body: displacement (m, m, rad) and force (N, N, N m).
     pub fn units(&self) -> ([f64; 3], [f64; 3]) {
         let (u, f, l) = (self.displacement, self.force, self.length);
         ([u, u, u / l], [f, f, f * l])
@@ -135,14 +186,11 @@ pub struct ConeProgram {
 
 impl ConeProgram {
     /// Whether an interaction has strength.
-    #[must_use]
     pub fn has_bonds(&self) -> bool {
         self.interactions.iter().any(|c| c.limits.has_strength())
     }
 
-    /// Closing, slip and relative rotation of interaction `c` for the displacements `u` by body,
-    /// in the bodies' own axes.
-    #[must_use]
+    /// Closing, slip and rotation of interaction `c` for displacements by body in their own axes.
     pub fn kinematics(&self, c: &Interaction, u: &[[f64; 3]]) -> Kinematics {
         let (a, b) = (c.a as usize, c.b as usize);
         let ua = self.bodies[a].to_global(u[a]);
@@ -184,7 +232,6 @@ impl ConeProgram {
 
     /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for
     /// an interaction in which no image takes part.
-    #[must_use]
     pub fn rows_of_cell(&self, c: &Interaction) -> Option<(usize, [[f64; 3]; 3])> {
         let cell = self.cell.as_ref().filter(|_| c.is_across())?;
         let body = cell.body as usize;
@@ -206,37 +253,31 @@ impl ConeProgram {
     }
 
     /// Imposed displacements by body in its own axes; zero where they are free.
-    #[must_use]
     pub fn imposed(&self) -> Vec<[f64; 3]> {
         let known = |dof| if let Dof::Fixed(u) = dof { u } else { 0.0 };
         self.bodies.iter().map(|body| body.dofs.map(known)).collect()
     }
 
     /// Whether any body was in motion when the increment began.
-    #[must_use]
     pub fn has_momentum(&self) -> bool {
         self.free().any(|free| free.momentum != 0.0)
     }
 
     /// Whether every free degree of freedom has a weight: inertia or regularisation.
-    #[must_use]
     pub fn is_damped(&self) -> bool {
         self.free().all(|free| free.inertia + free.proximal > 0.0)
     }
 
     /// Whether any body has inertia.
-    #[must_use]
     pub fn is_dynamic(&self) -> bool {
         self.free().any(|free| free.inertia > 0.0)
     }
 
-    /// The free degrees of freedom of all bodies.
     fn free(&self) -> impl Iterator<Item = &FreeDof> {
         self.bodies.iter().flat_map(|body| body.free().map(|(_, free)| free))
     }
 
     /// Number of force variables, balance rows and limit rows that a solver needs.
-    #[must_use]
     pub fn size(&self) -> ProgramSize {
         let mut size = ProgramSize { forces: 0, inertias: 0, balance_rows: 0, limit_rows: 0 };
         for c in &self.interactions {
@@ -263,4 +304,86 @@ pub struct ProgramSize {
     pub balance_rows: usize,
     /// Limit rows.
     pub limit_rows: usize,
+}
+
+/// How a solve ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum SolveStatus {
+    /// Optimal to the residuals that stand beside it.
+    Solved,
+    /// No forces balance the loads within the limits: the certificate is the mechanism.
+    Collapsed,
+    /// Rigid bodies with no feasible motion: the forces are unbounded.
+    Locked,
+    /// Neither was reached.
+    #[default]
+    Stalled,
+}
+
+/// KKT residuals of a solution: the maximum over all rows of each kind, without dimension.
+#[derive(Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Residuals {
+    /// |balance row| over the maximum force (moments: over force x mean radius).
+    pub balance: f64,
+    /// |stationarity row| over the maximum displacement.
+    pub kinematics: f64,
+    /// Violation of a limit over the maximum force.
+    pub cone: f64,
+    /// Slack x multiplier over force x displacement.
+    pub complementarity: f64,
+}
+
+impl Residuals {
+    /// Maximum of the four; NaN if any of them is not finite.
+    pub fn worst(&self) -> f64 {
+        let all = [self.balance, self.kinematics, self.cone, self.complementarity];
+        // f64::max drops NaN, which would turn a broken solution into a perfect one.
+        if all.iter().any(|r| !r.is_finite()) {
+            f64::NAN
+        } else {
+            all.iter().copied().fold(0.0, f64::max)
+        }
+    }
+}
+
+/// Proof of a collapse: a mechanism along which loads do more work than limits can dissipate.
+#[derive(Clone, Debug, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub struct Certificate {
+    /// Displacements of the mechanism by body, in the bodies' own axes; the maximum component is 1.
+    pub mechanism: Vec<[f64; 3]>,
+    /// Work of the loads less the maximum dissipation, over the work of the loads. A positive
+    /// margin proves the collapse, up to the defect.
+    pub margin: f64,
+    /// Maximum violation of the mechanism's kinematic conditions over its maximum motion.
+    pub defect: f64,
+}
+
+/// The solution of a program.
+#[cfg_attr(feature = "bevy", derive(bevy_ecs::prelude::Resource))]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+#[cfg_attr(all(feature = "bevy", feature = "reflect"), reflect(Resource))]
+pub struct ConeSolution {
+    /// How it ended.
+    pub status: SolveStatus,
+    /// The law that the forces and displacements solve.
+    pub law: SlidingLaw,
+    /// Maximum residual with which it counts as a solution.
+    pub tolerance: f64,
+    /// The solver's own words about how it ended.
+    pub message: String,
+    /// Iterations of the solver.
+    pub iterations: u32,
+    /// Residuals that our own code computed from the forces and displacements.
+    pub residuals: Residuals,
+    /// (p, q, tau) of every interaction, N, N, N m.
+    pub forces: Vec<[f64; 3]>,
+    /// Displacements by body in the bodies' own axes, m, m, rad.
+    pub displacements: Vec<[f64; 3]>,
+    /// Mechanism of a collapse.
+    pub certificate: Option<Certificate>,
 }

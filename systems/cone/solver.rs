@@ -30,8 +30,7 @@ pub trait ConeSolver: Send + Sync {
         tolerance: f64,
     ) -> Result<ConeSolution, MalformedProgram>;
 
-    /// Whether the first point within the tolerance suffices as the solution of a program. By
-    /// default it does not.
+    /// Whether the first point within the tolerance suffices for a program; by default not.
     fn first_point_suffices(&self, _program: &ConeProgram, _tolerance: f64) -> bool {
         false
     }
@@ -52,6 +51,7 @@ pub trait ConeSolver: Send + Sync {
 /// Indices out of range, numbers that are not finite, negative inertias, compliances or limits.
 pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
     let n = program.bodies.len();
+    let malformed = |what: String| Err(MalformedProgram(what));
     for (k, body) in program.bodies.iter().enumerate() {
         let sound = |dof: &Dof| match dof {
             Dof::Fixed(u) => u.is_finite(),
@@ -61,67 +61,45 @@ pub fn check(program: &ConeProgram) -> Result<(), MalformedProgram> {
             }
         };
         if !body.axis.is_finite() || !body.dofs.iter().all(sound) {
-            return Err(MalformedProgram(format!(
-                "body {k} has a number that is not finite, or a negative inertia"
-            )));
+            let what = "has a number that is not finite, or a negative inertia";
+            return malformed(format!("body {k} {what}"));
         }
     }
     if let Some(cell) = &program.cell
         && !(cell.arm.is_finite() && (cell.body as usize) < n)
     {
-        return Err(MalformedProgram(format!("the cell is body {} of {n}", cell.body)));
+        return malformed(format!("the cell is body {} of {n}", cell.body));
     }
     for (k, c) in program.interactions.iter().enumerate() {
+        let (a, b) = (c.a, c.b);
         // The image of a body moves along the global axes.
         let is_wrong = |b: usize| program.cell.is_none() || program.bodies[b].axis != DVec2::X;
-        if c.is_across() && ((c.b as usize) < n && is_wrong(c.b as usize)) {
-            return Err(MalformedProgram(format!(
-                "interaction {k} has an image of body {} without a cell or along other axes than x \
-                 and y",
-                c.b
-            )));
+        if c.is_across() && ((b as usize) < n && is_wrong(b as usize)) {
+            let what = "without a cell or along other axes than x and y";
+            return malformed(format!("interaction {k} has an image of body {b} {what}"));
         }
-        if c.a as usize >= n || c.b as usize >= n || c.a == c.b {
-            return Err(MalformedProgram(format!(
-                "interaction {k} joins bodies {} and {} of {n}",
-                c.a, c.b
-            )));
+        if a as usize >= n || b as usize >= n || a == b {
+            return malformed(format!("interaction {k} joins bodies {a} and {b} of {n}"));
         }
         let l = &c.limits;
-        let signed = [
-            c.normal.x,
-            c.normal.y,
-            c.arm_a,
-            c.arm_b,
-            c.normal_arm_a,
-            c.normal_arm_b,
-            c.offset,
-            c.previous_shear,
-            c.previous_moment,
-            c.image.x,
-            c.image.y,
-        ];
-        let not_negative = [
-            c.normal_compliance,
-            c.tangential_compliance,
-            c.rolling_compliance,
-            l.cohesion,
-            l.friction,
-            l.tension,
-            l.rolling,
-            l.moment,
-        ];
-        let mistake = if signed.iter().chain(&not_negative).any(|x| !x.is_finite()) {
+        let arms = [c.arm_a, c.arm_b, c.normal_arm_a, c.normal_arm_b];
+        let previous = [c.offset, c.previous_shear, c.previous_moment];
+        let compliances = [c.normal_compliance, c.tangential_compliance, c.rolling_compliance];
+        let limits = [l.cohesion, l.friction, l.tension, l.rolling, l.moment];
+        let mut signed = arms.iter().chain(&previous);
+        let mut not_negative = compliances.iter().chain(&limits);
+        let is_finite = c.normal.is_finite()
+            && c.image.is_finite()
+            && signed.all(|x| x.is_finite())
+            && not_negative.clone().all(|x| x.is_finite());
+        let mistake = if !is_finite {
             "number that is not finite"
-        } else if not_negative.iter().any(|x| *x < 0.0) {
+        } else if not_negative.any(|x| *x < 0.0) {
             "negative compliance or limit"
         } else {
             continue;
         };
-        return Err(MalformedProgram(format!(
-            "interaction {k} of bodies {} and {} has a {mistake}",
-            c.a, c.b
-        )));
+        return malformed(format!("interaction {k} of bodies {a} and {b} has a {mistake}"));
     }
     Ok(())
 }

@@ -10,7 +10,7 @@ use clastic_cone::program::ConeProgram;
 
 use super::BookedBody;
 use super::interactions::{Part, Tables};
-use crate::assemble_program::groups::turning_stiffness;
+use crate::assemble_program::groups::lost_by_turning;
 use crate::solved::Solved;
 
 /// Adds the work of loads and the kinetic energy of a time step of `dt` (s). Returns the
@@ -91,7 +91,8 @@ fn book_group(
     let turn = solution.displacements[row][2];
     let mut by_turn = 0.0;
     if group.drives[2] == BodyDrive::Free {
-        by_turn = turning_stiffness(bodies, group, tables.fraction, analysis) * turn;
+        let [moment, stiffness] = lost_by_turning(bodies, group, tables.fraction, analysis);
+        by_turn = moment + stiffness * turn;
         all[2] -= by_turn;
     }
     for k in 0..3 {

@@ -1,23 +1,20 @@
 //! Images of bodies in a periodic cell.
 //!
 //! An interaction with the image of a body has three participants: body a, body b and the cell. Its
-//! rows here are those of a and of the image, as if the image were a body. Images have the places
-//! after all bodies. [`Images::spread`] computes their displacements from those of their bodies and
-//! of the cell, and [`Images::fold`] moves the forces on them to bodies and cell. Passes over
-//! interactions therefore need not know the cell. Only the matrix has the three participants
-//! ([`Images::rows`]).
+//! rows here are those of a and of the image, as if the image were a body, with a place after all
+//! bodies. [`Images::spread`] computes their displacements from those of their bodies and of the
+//! cell, and [`Images::fold`] moves the forces on them to bodies and cell. Passes over interactions
+//! need not know the cell. Only the matrix has the three participants ([`Images::rows`]).
 
 use glam::DVec2;
 
 use crate::program::{ConeProgram, ProgramCell};
 
-/// The image of a body.
 #[derive(Clone, Copy, Debug)]
 struct Image {
-    /// Place of the body.
+    /// Place of its body, and the free degrees of freedom there.
     of: usize,
-    /// Interaction that it takes part in.
-    interaction: usize,
+    free: [bool; 3],
     /// Shift over the length of the cell.
     shift: DVec2,
 }
@@ -34,8 +31,7 @@ pub struct Images {
     cell: usize,
     axis: DVec2,
     law: ProgramCell,
-    /// Free degrees of freedom of the bodies of the images, and those of the cell.
-    free: Vec<[bool; 3]>,
+    /// Free degrees of freedom of the cell.
     of_cell: [bool; 3],
 }
 
@@ -51,28 +47,21 @@ pub fn pairs(program: &ConeProgram) -> impl Iterator<Item = (u32, u32)> + Clone 
 }
 
 impl Images {
-    /// The images of a program whose bodies have these places; `free` are the free degrees of
-    /// freedom by place.
+    /// The images of a program whose bodies have these places and free degrees of freedom.
     pub fn of(program: &ConeProgram, place: &[usize], free: &[[bool; 3]]) -> Self {
         let Some(law) = program.cell else { return Self::default() };
+        let (mut list, mut of_interaction) = (Vec::new(), Vec::new());
         let interactions = program.interactions.iter().enumerate();
-        let list: Vec<Image> = interactions
-            .filter(|(_, c)| c.is_across())
-            .map(|(interaction, c)| Image { of: place[c.b as usize], interaction, shift: c.image })
-            .collect();
-        let cell = place[law.body as usize];
-        let mut of_interaction = Vec::new();
-        if !list.is_empty() {
+        for (number, c) in interactions.filter(|(_, c)| c.is_across()) {
             of_interaction.resize(program.interactions.len(), u32::MAX);
+            of_interaction[number] = list.len() as u32;
+            let of = place[c.b as usize];
+            list.push(Image { of, free: free[of], shift: c.image });
         }
-        for (k, image) in list.iter().enumerate() {
-            of_interaction[image.interaction] = k as u32;
-        }
-        // The arm is a rotation times a length: in units of the scales it is a length over a
-        // length.
+        let cell = place[law.body as usize];
+        // The arm is a length per rotation: in units of the scales a length over a length.
         let law = ProgramCell { arm: law.arm / program.scales.length, ..law };
         Self {
-            free: list.iter().map(|image| free[image.of]).collect(),
             of_cell: free[cell],
             list,
             of_interaction,
@@ -83,18 +72,15 @@ impl Images {
         }
     }
 
-    /// Number of images.
     pub fn count(&self) -> usize {
         self.list.len()
     }
 
-    /// Whether this is the place of the cell.
     pub fn is_cell(&self, place: usize) -> bool {
         self.bodies > 0 && place == self.cell
     }
 
-    /// The image that takes part in an interaction, and the first of the two pairs that its bodies
-    /// make with the cell.
+    /// The image in an interaction, and the first of the two pairs of its bodies with the cell.
     #[inline]
     pub fn at(&self, interaction: usize) -> Option<(usize, usize)> {
         let k = *self.of_interaction.get(interaction)?;
@@ -104,7 +90,7 @@ impl Images {
     /// The body behind a place: the body of an image, or the body itself.
     #[inline]
     pub fn body(&self, place: usize) -> usize {
-        place.checked_sub(self.bodies).and_then(|k| self.list.get(k)).map_or(place, |i| i.of)
+        self.number(place).map_or(place, |k| self.list[k].of)
     }
 
     /// Displacements of bodies with room for those of the images after them.
@@ -128,7 +114,7 @@ impl Images {
         for (k, image) in self.list.iter().enumerate() {
             let shift = self.by_cell(k, u, false);
             let of = u[image.of];
-            let own: [f64; 3] = std::array::from_fn(|d| if self.free[k][d] { of[d] } else { 0.0 });
+            let own: [f64; 3] = std::array::from_fn(|d| if image.free[d] { of[d] } else { 0.0 });
             u[self.bodies + k] = [own[0] + shift.x, own[1] + shift.y, own[2]];
         }
     }
@@ -137,7 +123,7 @@ impl Images {
     pub fn fold(&self, rows: &mut [[f64; 3]]) {
         for (k, image) in self.list.iter().enumerate() {
             let force = std::mem::take(&mut rows[self.bodies + k]);
-            for d in (0..3).filter(|d| self.free[k][*d]) {
+            for d in (0..3).filter(|d| image.free[*d]) {
                 rows[image.of][d] += force[d];
             }
             let of_cell = self.law.rows(image.shift, self.axis, &[[force[0]], [force[1]]]);
@@ -156,17 +142,18 @@ impl Images {
         let masked = |rows: &[[f64; F]; 3], free: &[bool; 3]| -> [[f64; F]; 3] {
             std::array::from_fn(|d| if free[d] { rows[d] } else { [0.0; F] })
         };
-        let of_cell = self.law.rows(self.list[k].shift, self.axis, &[of[0], of[1]]);
-        (masked(of, &self.free[k]), masked(&of_cell, &self.of_cell))
+        let image = &self.list[k];
+        let of_cell = self.law.rows(image.shift, self.axis, &[of[0], of[1]]);
+        (masked(of, &image.free), masked(&of_cell, &self.of_cell))
     }
 
     /// The number of the image that has this place; `None` for a body.
+    #[inline]
     pub fn number(&self, place: usize) -> Option<usize> {
         place.checked_sub(self.bodies).filter(|k| *k < self.list.len())
     }
 
-    /// The kinematics that the known or the unknown displacements of the cell give image `k` with
-    /// these rows.
+    /// The kinematics of image `k` with these rows by known or unknown displacements of the cell.
     pub fn kinematics_by_cell(
         &self,
         k: usize,

@@ -13,7 +13,7 @@
 //!
 //! [`settings`] has the numbers that steer these steps, `sweeps` its own.
 
-pub mod images;
+mod images;
 pub mod interior;
 mod local;
 pub mod matrix;
@@ -21,16 +21,14 @@ mod newton;
 mod parallel;
 mod posed;
 mod reduced;
-pub(crate) mod refinement;
 pub mod response;
-mod rolling_spring;
 #[cfg(test)]
 mod samples;
 pub mod scaled;
 pub mod settings;
 pub mod sleeping;
 mod spring;
-pub mod sweeps;
+pub(crate) mod sweeps;
 
 use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
@@ -39,7 +37,7 @@ use self::posed::{Demand, Posed};
 use self::reduced::Reduced;
 use self::scaled::forces_in_units;
 pub use self::settings::CondensedSettings;
-use super::residuals::choose_displacements;
+use super::residuals::settle;
 use super::solver::{ConeSolver, MalformedProgram};
 
 /// Minimum residual that the Newton iteration and the interior point can reach.
@@ -50,6 +48,7 @@ const ROUND_OFF: f64 = 1e-14;
 const MIN_FORCE: f64 = 1e-3;
 
 /// The condensed solver. It keeps the matrix of the last pairs and the last solution.
+#[derive(Default)]
 pub struct Condensed {
     settings: CondensedSettings,
     matrix: Kept<Cholesky>,
@@ -57,17 +56,10 @@ pub struct Condensed {
     last: Vec<[f64; 3]>,
 }
 
-impl Default for Condensed {
-    fn default() -> Self {
-        Self::new(CondensedSettings::default())
-    }
-}
-
 impl Condensed {
     /// A solver with these settings.
-    #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
-        Self { settings, matrix: Kept::default(), last: Vec::new() }
+        Self { settings, ..Self::default() }
     }
 }
 
@@ -139,10 +131,7 @@ impl Condensed {
             // The committed motion follows from the forces, and the forces of bodies at rest are
             // not exact.
             let tolerance = Demand::of(program, tolerance, &self.settings).tolerance;
-            let r = choose_displacements(program, &mut solution, tolerance);
-            if !(r.worst() <= tolerance) {
-                solution.status = SolveStatus::Stalled;
-            }
+            settle(program, &mut solution, tolerance);
         }
         solution
     }
@@ -175,7 +164,6 @@ impl Condensed {
         tolerance: f64,
         start: &[[f64; 3]],
     ) -> ConeSolution {
-        let mut iterations = 0;
         let demand = Demand::of(program, tolerance, &self.settings);
         // Without momentum the last forces do not belong to a continuing motion.
         let continues = !program.last_forces.is_empty() && program.has_momentum();
@@ -190,14 +178,14 @@ impl Condensed {
         };
         let mut posed = Posed::new(program, &self.settings, matrix, demand);
         if let Some(swept) = swept {
-            let solution = posed.interior_after(&swept, &mut iterations);
+            let solution = posed.interior_after(&swept);
             if solution.status == SolveStatus::Solved {
                 return solution;
             }
         }
         let (mut start, mut forces) = (posed.in_units(start), None);
         if newton::applies(&posed.scaled) {
-            let (result, solution) = posed.newton(&start, &mut iterations);
+            let (result, solution) = posed.newton(&start);
             if solution.status == SolveStatus::Solved {
                 return solution;
             }
@@ -210,7 +198,7 @@ impl Condensed {
             start.fill([0.0; 3]);
             forces = Some(forces_in_units(program, &program.last_forces));
         }
-        posed.interior(&start, forces.as_deref(), &mut iterations)
+        posed.interior(&start, forces.as_deref())
     }
 }
 
@@ -225,30 +213,4 @@ fn is_elastic_step(program: &ConeProgram, demand: Demand) -> bool {
         && !program.is_dynamic()
         && program.is_damped()
         && is_elastic()
-}
-
-/// The solution with these forces, in units of the program's scales, and displacements, m and rad.
-/// It is solved if its residual is within the tolerance. Displacements with inertia follow from the
-/// forces, as in the motion that is committed.
-fn checked(
-    program: &ConeProgram,
-    forces: &[[f64; 3]],
-    displacements: Vec<[f64; 3]>,
-    tolerance: f64,
-    iterations: u32,
-    message: &str,
-) -> ConeSolution {
-    let (_, df) = program.scales.units();
-    let mut solution = ConeSolution {
-        status: SolveStatus::Stalled,
-        forces: forces.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect(),
-        displacements,
-        iterations,
-        message: message.to_owned(),
-        ..ConeSolution::default()
-    };
-    if choose_displacements(program, &mut solution, tolerance).worst() <= tolerance {
-        solution.status = SolveStatus::Solved;
-    }
-    solution
 }

@@ -7,7 +7,6 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
-/// Whether the pool has one thread.
 pub fn is_alone() -> bool {
     rayon::current_num_threads() == 1
 }
@@ -25,8 +24,7 @@ pub fn in_parallel<T: Send, R: Send>(
     }
 }
 
-/// Calls `f` on a thread of the pool if `worth` it: a thread of the pool hands out work more
-/// quickly.
+/// Calls `f` on a thread of the pool, which hands out work more quickly, if `worth` it.
 pub fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
     if worth && !is_alone() { rayon::scope(|_| f()) } else { f() }
 }
@@ -51,27 +49,16 @@ pub fn split<T>(slice: &mut [T], ranges: impl Iterator<Item = Range<usize>>) -> 
     pieces
 }
 
-/// Working memory that one thread at a time uses. A thread that waits for others may begin other
-/// work in between, so that the memory belongs to the work, not to the thread.
+/// Working memory of threads. A thread that waits for others may begin other work in between, so that
+/// the memory belongs to the work, not to the thread.
 #[derive(Default)]
-pub struct Lent<T>(Mutex<Vec<T>>);
+pub struct Memory(Mutex<Vec<Vec<f64>>>);
 
-impl<T: Default> Lent<T> {
-    fn free(&self) -> MutexGuard<'_, Vec<T>> {
+impl Memory {
+    fn free(&self) -> MutexGuard<'_, Vec<Vec<f64>>> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Calls `f` with memory that is not in use.
-    pub fn with<R>(&self, f: impl FnOnce(&mut T) -> R) -> R {
-        let last = self.free().pop();
-        let mut memory = last.unwrap_or_default();
-        let result = f(&mut memory);
-        self.free().push(memory);
-        result
-    }
-}
-
-impl Lent<Vec<f64>> {
     /// At least `len` numbers of any value: those that fit best. If none fit, the longest make room
     /// for new ones, so that no more pieces are kept than were ever in use at once.
     pub fn take(&self, len: usize) -> Vec<f64> {
@@ -87,7 +74,6 @@ impl Lent<Vec<f64>> {
         vec![0.0; len]
     }
 
-    /// Takes numbers back.
     pub fn give(&self, numbers: Vec<f64>) {
         if !numbers.is_empty() {
             self.free().push(numbers);

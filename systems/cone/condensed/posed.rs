@@ -1,6 +1,7 @@
 //! A program in the units and the order of the matrix, and the methods that solve it there: the
 //! Newton iteration and the interior point.
 
+use super::ROUND_OFF;
 use super::interior::{self, End, Interior, Judge, Warm};
 use super::local;
 use super::matrix::BodyMatrix;
@@ -8,22 +9,18 @@ use super::newton::Newton;
 use super::parallel::in_pool;
 use super::scaled::{Scaled, forces_in_units};
 use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
-use super::{ROUND_OFF, checked};
 use crate::certificate::{certificate, locks, proves};
 use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
-use crate::residuals::MAX_BALANCE;
+use crate::residuals::{MAX_BALANCE, settle};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Demand {
-    /// Maximum residual.
     pub tolerance: f64,
-    /// Whether the tolerance is looser than that of increments by default: active limits are not
-    /// decided, and dynamic programs end with the first point within the tolerance. This saves an
-    /// eighth of the iterations in dynamics; in statics it threw grains in 129 of 169 increments
-    /// (decision 006).
+    /// Whether the tolerance is looser than that of increments by default: limits are not decided,
+    /// and dynamic programs end with the first point within it. This saves an eighth of the
+    /// iterations; in statics it threw grains in 129 of 169 increments (decision 006).
     pub loose: bool,
-    /// Whether the program is large.
     pub large: bool,
     /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
     /// grains without load drift further the less exact the solution is. With a tight tolerance it
@@ -60,12 +57,12 @@ pub struct Posed<'a> {
     demand: Demand,
     is_shared: bool,
     units: Units<'a>,
+    iterations: u32,
     /// The program in the units of its scales.
     pub scaled: Scaled,
 }
 
 impl<'a> Posed<'a> {
-    /// The program posed for a matrix that has its pattern.
     pub fn new(
         program: &'a ConeProgram,
         settings: &'a CondensedSettings,
@@ -79,12 +76,11 @@ impl<'a> Posed<'a> {
             is_held: program.is_damped(),
             is_elastic: program.interactions.iter().all(|c| c.normal_compliance > 0.0),
         };
-        let scaled = matrix.pose(program);
-        Self { settings, is_shared: matrix.is_shared(), matrix, demand, units, scaled }
+        let (scaled, is_shared) = (matrix.pose(program), matrix.is_shared());
+        Self { settings, is_shared, matrix, demand, units, iterations: 0, scaled }
     }
 
-    /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
-    /// far.
+    /// Displacements as a start, in units and order of the matrix; zero if too far.
     pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let Units { program, order, .. } = &self.units;
         let (du, _) = program.scales.units();
@@ -97,58 +93,47 @@ impl<'a> Posed<'a> {
     /// The Newton iteration with local elimination. Near rest, displacements of the iteration solve
     /// the program, but displacements that follow from its forces do not. The iteration then
     /// continues until the balance conserves momentum.
-    pub fn newton(&mut self, start: &[[f64; 3]], iterations: &mut u32) -> (Newton, ConeSolution) {
+    pub fn newton(&mut self, start: &[[f64; 3]]) -> (Newton, ConeSolution) {
         let margin = self.settings.margin;
         let goal = self.demand.goal(margin);
-        let (result, solution) = self.newton_to(start, goal, iterations);
+        let (result, solution) = self.newton_to(start, goal);
         let is_enough = solution.status == SolveStatus::Solved || !result.converged;
         if is_enough || !self.units.program.is_dynamic() {
             return (result, solution);
         }
-        self.newton_to(&result.u, goal.min(MAX_BALANCE / margin), iterations)
+        self.newton_to(&result.u, goal.min(MAX_BALANCE / margin))
     }
 
-    /// The Newton iteration to a goal.
-    fn newton_to(
-        &mut self,
-        start: &[[f64; 3]],
-        goal: f64,
-        iterations: &mut u32,
-    ) -> (Newton, ConeSolution) {
+    fn newton_to(&mut self, start: &[[f64; 3]], goal: f64) -> (Newton, ConeSolution) {
         let Self { scaled, matrix, settings, units, .. } = self;
         let result = in_pool(self.is_shared, || {
             local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)
         });
-        *iterations += result.iterations;
-        let solution = units.solution(&result.u, &result.s, *iterations, "newton");
+        self.iterations += result.iterations;
+        let solution = units.solution(&result.u, &result.s, self.iterations, "newton");
         (result, solution)
     }
 
     /// The interior point from a point after sweeps, to the first solution. Such a program is dynamic:
     /// no proof of a collapse is sought.
-    pub fn interior_after(&mut self, swept: &ConeSolution, iterations: &mut u32) -> ConeSolution {
+    pub fn interior_after(&mut self, swept: &ConeSolution) -> ConeSolution {
         let start = self.in_units(&swept.displacements);
+        let forces = forces_in_units(self.units.program, &swept.forces);
         let Self { scaled, matrix, settings, units, .. } = self;
-        let forces = forces_in_units(units.program, &swept.forces);
         let warm = Some(Warm { forces: &forces, product: settings.warm_product });
         let goal = interior::Goal::enough(self.demand.goal_of_interior(settings));
         let judge = |point: &Interior| units.is_solution(point);
         let (_, point) = in_pool(self.is_shared, || {
             interior::solve(scaled, matrix, &start, warm, &settings.interior, goal, &judge)
         });
-        *iterations += point.iterations;
-        units.solution(&point.u, &point.s, *iterations, "interior after sweeps")
+        self.iterations += point.iterations;
+        units.solution(&point.u, &point.s, self.iterations, "interior after sweeps")
     }
 
     /// The interior point from displacements and forces, which follow from the displacements if there
     /// are none: solved, collapsed, locked, or stalled at the limit of arithmetic. An exact solution
     /// of a small program decides of every limit whether it is active.
-    pub fn interior(
-        &mut self,
-        start: &[[f64; 3]],
-        forces: Option<&[[f64; 3]]>,
-        iterations: &mut u32,
-    ) -> ConeSolution {
+    pub fn interior(&mut self, start: &[[f64; 3]], forces: Option<&[[f64; 3]]>) -> ConeSolution {
         let Self { scaled, matrix, settings, units, .. } = self;
         let residual = self.demand.goal_of_interior(settings);
         let Demand { tolerance, loose, large, at_once } = self.demand;
@@ -163,8 +148,8 @@ impl<'a> Posed<'a> {
         let (end, point) = in_pool(self.is_shared, || {
             interior::solve(scaled, matrix, start, warm, &settings.interior, goal, units)
         });
-        *iterations += point.iterations;
-        let mut found = units.solution(&point.u, &point.s, *iterations, "interior");
+        self.iterations += point.iterations;
+        let mut found = units.solution(&point.u, &point.s, self.iterations, "interior");
         match end {
             End::Solved | End::Limit => {}
             End::Collapsed => {
@@ -209,7 +194,14 @@ impl Units<'_> {
         displacements
     }
 
-    /// The solution with these displacements and forces.
+    /// Forces in SI units.
+    fn forces(&self, s: &[[f64; 3]]) -> Vec<[f64; 3]> {
+        let (_, df) = self.program.scales.units();
+        s.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect()
+    }
+
+    /// The solution with these displacements and forces, solved if its residual is within the
+    /// tolerance. With inertia displacements follow from the forces, as those that are committed.
     fn solution(
         &self,
         u: &[[f64; 3]],
@@ -217,7 +209,15 @@ impl Units<'_> {
         iterations: u32,
         message: &str,
     ) -> ConeSolution {
-        checked(self.program, s, self.displacements(u), self.tolerance, iterations, message)
+        let mut solution = ConeSolution {
+            forces: self.forces(s),
+            displacements: self.displacements(u),
+            iterations,
+            message: message.to_owned(),
+            ..ConeSolution::default()
+        };
+        settle(self.program, &mut solution, self.tolerance);
+        solution
     }
 
     /// The proof of a collapse by these displacements.
@@ -241,11 +241,6 @@ impl Judge for Units<'_> {
     }
 
     fn is_lock(&self, s: &[[f64; 3]]) -> bool {
-        if self.is_elastic {
-            return false;
-        }
-        let (_, df) = self.program.scales.units();
-        let s: Vec<_> = s.iter().map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
-        locks(self.program, &s)
+        !self.is_elastic && locks(self.program, &self.forces(s))
     }
 }

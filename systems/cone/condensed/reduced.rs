@@ -7,13 +7,11 @@
 
 use crate::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramCell};
 
-use super::rolling_spring::RollingSpring;
 use super::scaled::Scaled;
-use super::spring::Elastic;
+use super::spring::{Elastic, RollingSpring};
 
 /// The reduced program, with the places of its bodies and interactions in the whole one.
 pub struct Reduced {
-    /// The reduced program.
     pub program: ConeProgram,
     /// Its bodies, by their number in the whole program.
     pub bodies: Vec<usize>,

@@ -55,7 +55,7 @@ impl LinearResponse {
         matrix.assembly().add_weights(&scaled, floor);
         scaled.images.fold(&mut x);
         scaled.clear_fixed(&mut x);
-        if !matrix.factorise_shifted_and_solve(&mut x[..order.len()]) {
+        if !matrix.factorise_shifted_and_solve(&mut x) {
             return None;
         }
         let mut out = vec![[0.0; 3]; order.len()];
@@ -66,7 +66,6 @@ impl LinearResponse {
     }
 }
 
-/// Stiffness of an interaction that carries a force.
 fn stiffness(
     program: &ConeProgram,
     solution: &ConeSolution,

@@ -1,9 +1,8 @@
 //! Sweeps over the contacts, from the forces of the last increment: a solution where they converge
 //! fast, elsewhere a start for the interior point.
 //!
-//! Where every degree of freedom has a weight the displacements follow from the forces,
-//! `u = M^-1 (f - G s)`, and forces are left as the only unknowns. Under the associated law they
-//! minimise
+//! Where every degree of freedom has a weight the displacements follow from the forces, `u = M^-1
+//! (f - G s)`, and forces are left as the only unknowns. Under the associated law they minimise
 //!
 //! ```text
 //! J(s) = 1/2 u'M u + 1/2 s'C s + l's   over   p >= 0, |q| <= mu p, |tau| <= m p
@@ -19,7 +18,7 @@
 
 use super::scaled::{Arms, Local, Scaled, first, forces_in_units};
 use crate::program::{ConeProgram, ConeSolution, Interaction, SlidingLaw, SolveStatus};
-use crate::residuals::choose_displacements;
+use crate::residuals::settle;
 
 /// Number of sweeps in a round, after which the residual is computed.
 ///
@@ -52,15 +51,13 @@ struct Contact<const F: usize> {
 
 /// Whether sweeps can find the forces: every degree of freedom has a weight, and every interaction is
 /// a contact without strength and without an image.
-#[must_use]
 pub fn applies(program: &ConeProgram) -> bool {
     let is_contact = |c: &Interaction| !c.limits.has_strength() && c.limits.moment == 0.0;
     program.cell.is_none() && program.is_damped() && program.interactions.iter().all(is_contact)
 }
 
-/// The solution of a program to which sweeps apply after sweeps from the forces of the last increment,
-/// with the displacements that balance its forces; stalled if its residual exceeds the tolerance.
-#[must_use]
+/// The solution of a program to which sweeps apply after sweeps from its last forces, with
+/// displacements that balance its forces; stalled if its residual exceeds the tolerance.
 pub fn sweep(program: &ConeProgram, law: SlidingLaw, tolerance: f64) -> ConeSolution {
     let scaled = Scaled::natural(program);
     if scaled.locals.iter().any(|l| l.has[2]) {
@@ -70,8 +67,7 @@ pub fn sweep(program: &ConeProgram, law: SlidingLaw, tolerance: f64) -> ConeSolu
     }
 }
 
-/// Forces and displacements between two sweeps, in units of the scales, displacements times the
-/// roots of the weights.
+/// Forces and displacements between two sweeps, in units; displacements times roots of weights.
 struct Sweeps<const F: usize> {
     law: SlidingLaw,
     contacts: Vec<Contact<F>>,
@@ -168,8 +164,7 @@ impl<const F: usize> Sweeps<F> {
         }
     }
 
-    /// The point in SI units. Displacements follow from the forces: the updates of sweeps accumulate
-    /// round-off.
+    /// The point in SI units. Displacements follow from the forces: updates accumulate round-off.
     fn solution(&self, program: &ConeProgram, tolerance: f64) -> ConeSolution {
         let (_, df) = program.scales.units();
         let in_si =
@@ -181,9 +176,7 @@ impl<const F: usize> Sweeps<F> {
             message: "sweeps".to_owned(),
             ..ConeSolution::default()
         };
-        out.residuals = choose_displacements(program, &mut out, tolerance);
-        let is_solved = out.residuals.worst() <= tolerance;
-        out.status = if is_solved { SolveStatus::Solved } else { SolveStatus::Stalled };
+        settle(program, &mut out, tolerance);
         out
     }
 }
@@ -213,8 +206,7 @@ impl<const F: usize> Contact<F> {
         }
     }
 
-    /// Forces brought within the limits, the normal force first: the solution of Coulomb's law in
-    /// the metric of D.
+    /// Forces brought within the limits, p first: the solution of Coulomb's law in the metric of D.
     fn within(&self, s: &[f64]) -> [f64; F] {
         let p = s[0].max(0.0);
         std::array::from_fn(|f| if f == 0 { p } else { clamped(s[f], self.slopes[f] * p) })

@@ -1,5 +1,4 @@
-//! The interior-point iteration on the complementarity system, with the predictor and corrector of
-//! Mehrotra (1992).
+//! The interior-point iteration on the complementarity system (Mehrotra 1992).
 
 use super::Trial;
 use super::settings::CoulombInteriorSettings;
@@ -60,8 +59,7 @@ pub fn iterate(
     }
 }
 
-/// The length of a step at which the first slack or multiplier vanishes; NaN if a number of the
-/// step is NaN.
+/// Length of a step at which the first slack or multiplier vanishes; NaN if the step has NaN.
 pub fn boundary(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut length = f64::INFINITY;
     for (x, d) in system.along(z, step).flatten() {

@@ -2,51 +2,33 @@
 //!
 //! Forces are in units of the maximum force of the start, displacements in units of the program's
 //! displacement scale, and a complementarity product is a force times a displacement.
-//! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field.
+//! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field, and the
+//! evidence for those that name none.
 
 /// Settings of the solver of Coulomb's law.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombSettings {
     /// Products at the start of the interior-point iteration from the associated solution.
-    ///
-    /// 1e-3: decision 001.
     pub product: f64,
     /// Products at the start of the interior-point iteration after sweeps and at the end of an arc, as
-    /// a share of the residual that these leave.
-    ///
-    /// 0.1: decision 004.
+    /// a share of the residual that these leave (decision 004).
     pub share: f64,
     /// Maximum number of factorisations of the interior-point iteration.
-    ///
-    /// 40: decision 001.
     pub max_iterations: u32,
-    /// Products at the start of the first and of the second arc. Their order is fixed, so that runs
-    /// repeat.
-    ///
-    /// 0.1 and 1e-3: decision 001.
+    /// Products at the start of the first and of the second arc, in a fixed order: runs repeat.
     pub arc_products: [f64; 2],
     /// Maximum number of factorisations of an arc.
-    ///
-    /// 250: decision 001.
     pub max_arc: u32,
     /// Maximum number of factorisations that sharpen the end of an arc.
-    ///
-    /// 8: decision 001.
     pub max_sharpening: u32,
     /// Natural map at which a solution is sharp, over the tolerance. A sharp solution ends the
-    /// iteration.
-    ///
-    /// 1e-3: the products are then a thousandth of what the tolerance allows. Decision 001.
+    /// iteration. 1e-3: the products are then a thousandth of what the tolerance allows.
     pub sharp: f64,
     /// Factor by which an iteration must lower the residual for another one to follow once the
     /// program is solved, and [`patience`](CoulombInteriorSettings::patience) iterations before.
-    ///
-    /// 0.5: decision 001.
     pub progress: f64,
     /// Defect of a linear solve, over its right side, that needs no refinement.
-    ///
-    /// 1e-10: decision 001.
     pub refined: f64,
     /// Interior-point iteration.
     pub interior: CoulombInteriorSettings,
@@ -77,30 +59,19 @@ impl Default for CoulombSettings {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombInteriorSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
-    ///
     /// 1e-8: with 1e-10 `poured_bin` takes 13 % more iterations.
     pub regularisation: f64,
     /// Length below which a step is short, as a fraction of the step to the target.
-    ///
-    /// 0.05: decision 001.
     pub short_step: f64,
     /// Number of short steps in a row that ends the iteration.
-    ///
-    /// 3: decision 001.
     pub max_short_steps: u32,
     /// Number of iterations in which the best residual must fall by
     /// [`progress`](CoulombSettings::progress).
-    ///
-    /// 10: decision 001.
     pub patience: usize,
     /// Length of the last step below which the next one goes back to the path first: its target is
     /// at least [`min_centring`](Self::min_centring) times the mean product.
-    ///
-    /// 0.2: decision 001.
     pub centring_step: f64,
     /// Minimum target after such a step, over the mean product; at most 1.
-    ///
-    /// 0.8: decision 001.
     pub min_centring: f64,
 }
 
@@ -123,26 +94,17 @@ impl Default for CoulombInteriorSettings {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
-    ///
     /// 1e-10: with 1e-8 `hopper` takes 4 % more iterations, `rotating_drum_small` with a tolerance of
     /// 1e-3 20 % more, `poured_bin` 7 % fewer.
     pub regularisation: f64,
     /// Relative change of slacks and multipliers by a correction below which the point is on the
-    /// path.
-    ///
-    /// 0.3: with half and double `poured_bin` takes 13 and 17 % more iterations.
+    /// path. 0.3: with half and double `poured_bin` takes 13 and 17 % more iterations.
     pub close: f64,
     /// Part of the way to the boundary that a step takes.
-    ///
-    /// 0.9: decision 001.
     pub reach: f64,
     /// Factor that shortens a predictor whose corrections do not lead to the path.
-    ///
-    /// 0.3: decision 001.
     pub shortening: f64,
     /// Ratio of the lengths of two corrections above which they diverge.
-    ///
-    /// 2: decision 001.
     pub divergence: f64,
 }
 

@@ -1,17 +1,14 @@
-//! The complementarity system of all interactions and bodies, its residual, and linear solves with
-//! its derivative.
+//! The complementarity system, its residual, and linear solves with its derivative.
 
 use crate::program::ConeProgram;
 
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
-use super::super::condensed::refinement::refine;
 use super::super::condensed::scaled::Scaled;
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
 
-/// A point, a step, or a residual: displacements (in a residual the balance) by place, and the
-/// interactions.
+/// A point, a step, or a residual: displacements (or the balance) by place, and interactions.
 #[derive(Clone, Debug, Default)]
 pub struct Vector {
     pub u: Vec<[f64; 3]>,
@@ -49,9 +46,7 @@ pub struct System<'a> {
     /// Bodies in the order of elimination.
     pub order: Vec<usize>,
     pub matrix: &'a mut UnsymmetricMatrix,
-    /// Number of limits.
     pub limits: f64,
-    /// Factorisations so far.
     pub factorisations: u32,
     linear: Vec<Linear>,
     /// Usual compliances of every interaction, by which a regularisation is multiplied.
@@ -168,9 +163,7 @@ impl<'a> System<'a> {
     /// Solves the condensed system, with refinement.
     fn solve_bodies(&mut self, right: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
         let mut x = right.clone();
-        let n = self.program.free.len();
-        self.matrix.solve(&mut x[..n]);
-        self.program.images.spread(&mut x);
+        self.matrix.solve(&mut x);
         let scale = max_magnitude(&right);
         let Self { program, cells, matrix, linear, refined, .. } = self;
         let set = |x: &[[f64; 3]], defect: &mut [[f64; 3]]| {
@@ -185,8 +178,7 @@ impl<'a> System<'a> {
                 cell.arms.add_forces(&s, -1.0, defect);
             }
         };
-        let enough = *refined * scale;
-        refine(&program.images, n, enough, &mut x, &mut right.clone(), set, |x| matrix.solve(x));
+        matrix.refine(*refined * scale, &mut x, &mut right.clone(), set);
         x
     }
 }

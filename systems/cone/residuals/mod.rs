@@ -11,20 +11,18 @@
 //! ```
 //!
 //! Two errors are left: a negative `lambda_T` (kinematics), and a multiplier of a limit with slack
-//! (complementarity; kinematics if the slack exceeds the maximum force). If the apex of the shear
-//! limit is above the tension limit (`c A < mu f_t`), both shear rows are active there and share
-//! `lambda_T`.
+//! (complementarity; kinematics if the slack exceeds the maximum force). At an apex of the shear
+//! limit above the tension limit (`c A < mu f_t`) both shear rows are active and share `lambda_T`.
 
-mod carrying;
 mod units;
 
-pub use self::carrying::Carrying;
 pub(crate) use self::units::{MIN_FORCE, Units, applied_force};
 pub use self::units::{displacement_scale, force_scale};
-use crate::program::{ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw};
+use crate::program::{
+    ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw, SolveStatus,
+};
 
-/// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
-/// (signed).
+/// Multipliers of the limits of an interaction, m, m, rad; slip and rotation are signed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers {
     /// `lambda_T` of `p >= -f_t`.
@@ -35,9 +33,7 @@ pub struct Multipliers {
     pub rotation: f64,
 }
 
-/// The multipliers under a law that follow from the kinematics `e` and the forces `f` of an
-/// interaction.
-#[must_use]
+/// The multipliers under a law, from the kinematics `e` and the forces `f` of an interaction.
 pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
     let slip = if l.has_shear() {
@@ -56,16 +52,12 @@ pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3
     Multipliers { tension, slip, rotation }
 }
 
-/// The four residuals of a solution. The force of a regularisation counts as an error of the
-/// balance.
-#[must_use]
+/// The residuals of a solution. The force of a regularisation is an error of the balance.
 pub fn residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 0.0)
 }
 
-/// The residuals of the program that the solver was given: the force of a regularisation is part of
-/// the balance.
-#[must_use]
+/// As [`residuals`], with the force of a regularisation as part of the balance.
 pub fn regularised_residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 1.0)
 }
@@ -104,6 +96,14 @@ pub fn choose_displacements(
     following
 }
 
+/// Gives a solution the displacements that are [chosen](choose_displacements), its residuals, and its
+/// status: solved if they are within the tolerance, else stalled.
+pub(crate) fn settle(program: &ConeProgram, solution: &mut ConeSolution, tolerance: f64) {
+    solution.residuals = choose_displacements(program, solution, tolerance);
+    let is_solved = solution.residuals.worst() <= tolerance;
+    solution.status = if is_solved { SolveStatus::Solved } else { SolveStatus::Stalled };
+}
+
 fn evaluate(program: &ConeProgram, solution: &ConeSolution, regularisation: f64) -> Residuals {
     let mut out = Residuals::default();
     each(program, solution, regularisation, |_, raise| raise(&mut out));
@@ -134,7 +134,6 @@ fn each(
 /// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
 /// balance, else the two bodies of an interaction. `None` for a solution without forces and
 /// displacements.
-#[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
     let ConeSolution { forces, displacements, .. } = solution;
     if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
@@ -159,7 +158,6 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
 /// ```
 ///
 /// Unlike a product of force and gap it is not small where both are small and neither vanishes.
-#[must_use]
 pub fn natural_map(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);
@@ -186,4 +184,46 @@ pub fn natural_map(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     // f64::max drops NaN.
     let larger = |m: f64, x: f64| if x <= m || m.is_nan() { m } else { x };
     interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, larger)
+}
+
+/// Normal force, over the maximum force, below which an interaction carries none.
+const MIN_RELATIVE_FORCE: f64 = 1e-9;
+
+/// Tells which interactions carry a normal force. An interior point leaves a small force on open
+/// contacts: the complementarity product over the gap.
+pub struct Carrying<'a> {
+    program: &'a ConeProgram,
+    solution: &'a ConeSolution,
+    /// Maximum normal force that counts as zero, N.
+    threshold: f64,
+    /// Maximum force, N, and displacement, m, if gaps count too.
+    units: Option<[f64; 2]>,
+}
+
+impl<'a> Carrying<'a> {
+    /// The interactions of a solution.
+    ///
+    /// In statics an interaction carries a force above 1e-9 of the maximum force. In dynamics a
+    /// solution may have products up to the tolerance, and the force must also exceed the gap, each
+    /// over its maximum.
+    pub fn new(program: &'a ConeProgram, solution: &'a ConeSolution) -> Self {
+        let force = force_scale(program, &solution.forces);
+        let dynamic = program.is_dynamic();
+        let products = if dynamic { solution.tolerance } else { 0.0 };
+        let threshold = products.max(MIN_RELATIVE_FORCE) * force;
+        let units = (dynamic && solution.displacements.len() == program.bodies.len())
+            .then(|| [force, displacement_scale(program, &solution.displacements)]);
+        Self { program, solution, threshold, units }
+    }
+
+    /// Whether interaction `k` carries a normal force.
+    pub fn is_carrying(&self, k: usize) -> bool {
+        let (c, f) = (&self.program.interactions[k], &self.solution.forces[k]);
+        let p = f[0].abs();
+        p > self.threshold
+            && self.units.is_none_or(|[force, displacement]| {
+                let e = self.program.kinematics(c, &self.solution.displacements);
+                p * displacement >= multipliers(self.solution.law, c, &e, f).tension * force
+            })
+    }
 }

@@ -1,38 +1,34 @@
 //! The data of one interaction in the interior-point method, and its part of an iteration.
 //!
-//! An iteration passes over all interactions several times, and these passes wait for memory.
-//! Interactions of a kind therefore lie together, without room for forces and limits that the kind
-//! does not have.
+//! An iteration passes over all interactions several times, and these passes wait for memory. Those
+//! of a kind therefore lie together, without room for forces and limits that the kind lacks.
 
 use std::ops::Add;
 
 use super::super::matrix::{Assembly, Cholesky};
 use super::super::scaled::{Kind, Local, ROWS, first};
 use super::super::settings::InteriorSettings;
-use super::law::{Law, Rows, Slacks, Step};
+use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
 use super::point::Warm;
 
-/// One interaction.
 #[derive(Clone)]
 pub struct Cell<const F: usize, const Q: usize> {
     /// Its place in the program.
     number: usize,
     law: Law<F, Q>,
-    /// Forces.
-    s: [f64; F],
-    slacks: Slacks<Q>,
+    pub x: Variables<F, Q>,
     /// Residuals of stationarity.
     stationarity: [f64; F],
     /// Residuals of the limits.
     defect: [f64; Q],
     system: LocalSystem<F, Q>,
     /// Response A to the residuals, and response B to the products.
-    responses: [Step<F, Q>; 2],
+    responses: [Variables<F, Q>; 2],
     /// Products that the corrector takes away.
     correction: [f64; Q],
     /// The step of the iteration, without the part that follows the growth of tau.
-    step: Step<F, Q>,
+    step: Variables<F, Q>,
 }
 
 /// Interactions, by their kind.
@@ -47,23 +43,14 @@ pub struct Cells {
 
 /// Evaluates an expression for every interaction.
 macro_rules! for_each {
-    ($cell:ident of $cells:expr => $what:expr) => {{
+    ($cell:ident of $cells:expr => $what:expr) => {
+        for_each!($cell of $cells => $what; normal friction bond rolling wheel)
+    };
+    ($cell:ident of $cells:expr => $what:expr; $($kind:ident)*) => {{
         let cells: &mut $crate::condensed::interior::cell::Cells = $cells;
-        for $cell in &mut cells.normal {
+        $(for $cell in &mut cells.$kind {
             $what;
-        }
-        for $cell in &mut cells.friction {
-            $what;
-        }
-        for $cell in &mut cells.bond {
-            $what;
-        }
-        for $cell in &mut cells.rolling {
-            $what;
-        }
-        for $cell in &mut cells.wheel {
-            $what;
-        }
+        })*
     }};
 }
 pub(super) use for_each;
@@ -95,7 +82,6 @@ pub struct Sizes {
     pub primal: f64,
     pub force: f64,
     pub product: f64,
-    /// Sum of the products.
     pub products: f64,
     /// The terms `l's`, `b'lambda` and `s'Cs` of the duality gap.
     pub linear: f64,
@@ -168,8 +154,7 @@ impl Ahead {
     pub fn bound_growth(&mut self, factor: f64) {
         let [constant, linear, quadratic] = self.products;
         if self.products_after() > factor * constant && constant > 0.0 {
-            // The positive root of quadratic x^2 + linear x = (factor - 1) constant, without
-            // cancellation.
+            // The positive root of quadratic x^2 + linear x = right, without cancellation.
             let right = (factor - 1.0) * constant;
             let root = (linear * linear + 4.0 * quadratic * right).max(0.0).sqrt();
             self.length = self.length.min(2.0 * right / (linear + root));
@@ -177,8 +162,7 @@ impl Ahead {
     }
 }
 
-/// What the responses A and B say about tau: their gains, and the sum of squares in the
-/// denominator of its step.
+/// What the responses A and B say about tau: their gains, and the squares that divide its step.
 #[derive(Clone, Copy, Default)]
 pub struct Gains {
     pub of_residuals: f64,
@@ -208,14 +192,13 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let c = local.compliance[f];
             trial[f] = if c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 };
         }
-        let mut slacks = Slacks { w: [0.0; Q], lambda: [0.0; Q] };
-        // The trial clamped to the limits: normal force first, then the others at that normal force.
-        let mut s = [0.0; F];
-        s[0] = trial[0].max(local.lowest());
+        let mut x = Variables::default();
+        // The trial clamped to the limits: normal force first, then the others with it.
+        x.s[0] = trial[0].max(local.lowest());
         for k in 0..Law::<F, Q>::PAIRS {
-            let strength = (law.right[2 * k] + law.slopes[k] * s[0]).max(0.0);
+            let strength = (law.right[2 * k] + law.slopes[k] * x.s[0]).max(0.0);
             let f = Law::<F, Q>::force(k);
-            s[f] = trial[f].clamp(-strength, strength);
+            x.s[f] = trial[f].clamp(-strength, strength);
         }
         // Inside of a limit the distance to it is the slack; outside, the excess is the multiplier.
         let is_rigid = local.compliance[0] == 0.0;
@@ -225,37 +208,35 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let has_strength = law.right.iter().any(|right| *right > 0.0);
         let gap = if has_strength { 0.0 } else { (law.linear[0] - e[0]).max(0.0) };
         let multiplier = gap / local.limits().map(|(slope, _)| slope).sum::<f64>();
-        let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - s[f]);
+        let beyond: [f64; F] = std::array::from_fn(|f| trial[f] - x.s[f]);
         let product = settings.start * settings.start;
         for q in 0..Q {
-            let left = law.right[q] - law.limit(q, &s);
+            let left = law.right[q] - law.limit(q, &x.s);
             let excess = local.compliance[0] * law.limit(q, &beyond);
             let excess = if is_rigid { multiplier } else { excess };
-            slacks.set(q, left.max(0.0) - excess.max(0.0), product);
+            x.set(q, left.max(0.0) - excess.max(0.0), product);
         }
         Self {
             number,
             law,
-            s,
-            slacks,
+            x,
             stationarity: [0.0; F],
             defect: [0.0; Q],
             system: LocalSystem::default(),
-            responses: [Step::default(); 2],
+            responses: [Variables::default(); 2],
             correction: [0.0; Q],
-            step: Step::default(),
+            step: Variables::default(),
         }
     }
 
-    /// Takes forces near the solution, with the multipliers of their stationarity. Slacks and
-    /// multipliers are then shifted to equal products: `w - lambda` stays, `w lambda` is the
-    /// product.
+    /// Takes forces near the solution, with the multipliers of their stationarity. They are then
+    /// shifted to equal products: `w - lambda` stays, `w lambda` is the product.
     pub fn warm(&mut self, u: &[[f64; 3]], warm: Warm) {
-        let law = &self.law;
-        self.s = first(&warm.forces[self.number]);
+        let Self { law, x, .. } = self;
+        x.s = first(&warm.forces[self.number]);
         let e = law.arms.kinematics(u);
         let left: [f64; F] =
-            std::array::from_fn(|f| law.linear[f] + law.compliance[f] * self.s[f] - e[f]);
+            std::array::from_fn(|f| law.linear[f] + law.compliance[f] * x.s[f] - e[f]);
         let mut multipliers = [0.0; Q];
         let mut gap = left[0];
         let mut slopes = 0.0;
@@ -266,8 +247,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             gap -= law.slopes[k] * slip.abs();
             slopes += 2.0 * law.slopes[k];
         }
-        // The gap less the dilation of the slips goes to the limit of tension, or in equal parts to
-        // the other limits.
+        // The gap less the dilation goes to the limit of tension, or in equal parts to the others.
         if Law::<F, Q>::HAS_TENSION {
             multipliers[Q - 1] = gap;
         } else {
@@ -276,25 +256,20 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             }
         }
         for q in 0..Q {
-            let left = law.right[q] - law.limit(q, &self.s);
-            self.slacks.set(q, left - multipliers[q], warm.product);
+            let left = law.right[q] - law.limit(q, &x.s);
+            x.set(q, left - multipliers[q], warm.product);
         }
-    }
-
-    /// Its normal force.
-    pub fn normal_force(&self) -> f64 {
-        self.s[0]
     }
 
     /// Makes `length` times the step, evaluates the residuals, and adds the forces to the balance.
     pub fn evaluate(&mut self, length: f64, u: &[[f64; 3]], balance: &mut Rows, size: &mut Sizes) {
-        let Self { law, s, slacks, step, .. } = self;
+        let Self { law, x: Variables { s, w, lambda }, step, .. } = self;
         for f in 0..F {
             s[f] += length * step.s[f];
         }
         for q in 0..Q {
-            slacks.w[q] += length * step.w[q];
-            slacks.lambda[q] += length * step.lambda[q];
+            w[q] += length * step.w[q];
+            lambda[q] += length * step.lambda[q];
         }
         law.add_forces(s, 1.0, balance);
         let e = law.arms.kinematics(u);
@@ -306,24 +281,22 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             size.energy += elongation * s[f];
         }
         for q in 0..Q {
-            let (w, lambda) = (slacks.w[q], slacks.lambda[q]);
-            let defect = w - law.right[q] + law.limit(q, s);
-            self.defect[q] = defect;
-            size.primal = size.primal.max(defect.abs());
-            size.product = size.product.max(w * lambda);
-            size.products += w * lambda;
-            size.strength += law.right[q] * lambda;
+            self.defect[q] = w[q] - law.right[q] + law.limit(q, s);
+            size.primal = size.primal.max(self.defect[q].abs());
+            size.product = size.product.max(w[q] * lambda[q]);
+            size.products += w[q] * lambda[q];
+            size.strength += law.right[q] * lambda[q];
         }
         for k in 0..Law::<F, Q>::PAIRS {
-            let (plus, minus) = (slacks.lambda[2 * k], slacks.lambda[2 * k + 1]);
+            let (plus, minus) = (lambda[2 * k], lambda[2 * k + 1]);
             r[0] -= law.slopes[k] * (plus + minus);
             r[Law::<F, Q>::force(k)] += plus - minus;
         }
         if Law::<F, Q>::HAS_TENSION {
-            r[0] -= slacks.lambda[Q - 1];
+            r[0] -= lambda[Q - 1];
         }
-        for f in 0..F {
-            size.kinematic = size.kinematic.max(r[f].abs());
+        for r in r {
+            size.kinematic = size.kinematic.max(r.abs());
         }
         self.stationarity = r;
         size.force = size.force.max(s[0].abs());
@@ -331,18 +304,16 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
 
     /// Copies forces and multipliers to their places in the program.
     pub fn store(&self, forces: &mut [[f64; 3]], multipliers: &mut [[f64; ROWS]]) {
-        forces[self.number][..F].copy_from_slice(&self.s);
-        multipliers[self.number][..Q].copy_from_slice(&self.slacks.lambda);
+        forces[self.number][..F].copy_from_slice(&self.x.s);
+        multipliers[self.number][..Q].copy_from_slice(&self.x.lambda);
     }
 
     /// Takes forces and multipliers from their places in the program, and the slacks of the forces.
     pub fn restore(&mut self, forces: &[[f64; 3]], multipliers: &[[f64; ROWS]]) {
-        self.s = first(&forces[self.number]);
-        for q in 0..Q {
-            self.slacks.lambda[q] = multipliers[self.number][q];
-            self.slacks.w[q] = self.law.right[q] - self.law.limit(q, &self.s);
-        }
-        self.step = Step::default();
+        let s = first(&forces[self.number]);
+        let w = std::array::from_fn(|q| self.law.right[q] - self.law.limit(q, &s));
+        self.x = Variables { s, w, lambda: first(&multipliers[self.number]) };
+        self.step = Variables::default();
     }
 
     /// Copies the steps of the forces to their places in the program.
@@ -356,36 +327,36 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         &mut self,
         min_compliance: f64,
         matrix: &mut Assembly<Cholesky>,
-        right: &mut [Rows; 2],
+        [of_residuals, of_products]: &mut [Rows; 2],
     ) {
-        let Self { law, slacks, .. } = self;
-        self.system.set(law, slacks, min_compliance);
-        matrix.add(self.number, &law.arms.rows, &self.system.stiffness);
+        let Self { law, x, system, .. } = self;
+        system.set(law, x, min_compliance);
+        matrix.add(self.number, &law.arms.rows, &system.stiffness);
         let e = self.stationarity.map(|r| -r);
         let b = self.defect.map(|d| -d);
-        law.add_forces(&self.system.forces(law, &e, &b), -1.0, &mut right[0]);
+        law.add_forces(&system.forces(law, &e, &b), -1.0, of_residuals);
         // The products over the multipliers are the slacks.
-        law.add_forces(&self.system.forces(law, &[0.0; F], &slacks.w), -1.0, &mut right[1]);
+        law.add_forces(&system.forces(law, &[0.0; F], &x.w), -1.0, of_products);
     }
 
     /// The step of the interaction that belongs to a step of the bodies and takes these parts of
     /// the residuals and these products away.
     #[inline]
-    fn respond(&self, du: &[[f64; 3]], of_residuals: f64, product: [f64; Q]) -> Step<F, Q> {
+    fn respond(&self, du: &[[f64; 3]], of_residuals: f64, product: [f64; Q]) -> Variables<F, Q> {
         let mut kinematics = self.law.arms.kinematics(du);
         for (e, r) in kinematics.iter_mut().zip(&self.stationarity) {
             *e -= of_residuals * r;
         }
         let defect = self.defect.map(|d| of_residuals * d);
-        self.system.solve(&self.law, &self.slacks, &kinematics, &defect, &product)
+        self.system.solve(&self.law, &self.x, &kinematics, &defect, &product)
     }
 
     /// Derivative of the duality gap `f'u - l's - b'lambda - u'Mu - s'Cs` along a step.
     #[inline]
-    fn gain(&self, step: &Step<F, Q>) -> f64 {
+    fn gain(&self, step: &Variables<F, Q>) -> f64 {
         let mut sum = 0.0;
         for f in 0..F {
-            sum -= (self.law.linear[f] + 2.0 * self.law.compliance[f] * self.s[f]) * step.s[f];
+            sum -= (self.law.linear[f] + 2.0 * self.law.compliance[f] * self.x.s[f]) * step.s[f];
         }
         for q in 0..Q {
             sum -= self.law.right[q] * step.lambda[q];
@@ -396,7 +367,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// Computes the responses to the residuals and to the products from those of the bodies.
     pub fn set_responses(&mut self, du: [&[[f64; 3]]; 2], gains: &mut Gains) {
         let a = self.respond(du[0], 1.0, [0.0; Q]);
-        let b = self.respond(du[1], 0.0, self.slacks.products());
+        let b = self.respond(du[1], 0.0, self.x.products());
         gains.of_residuals += self.gain(&a);
         gains.of_products += self.gain(&b);
         for f in 0..F {
@@ -404,8 +375,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             gains.squares += self.system.compliance[f] * s * s;
         }
         for q in 0..Q {
-            let w = self.slacks.w[q] + a.w[q] + 2.0 * b.w[q];
-            let lambda = self.slacks.lambda[q] + a.lambda[q] + 2.0 * b.lambda[q];
+            let w = self.x.w[q] + a.w[q] + 2.0 * b.w[q];
+            let lambda = self.x.lambda[q] + a.lambda[q] + 2.0 * b.lambda[q];
             gains.squares += (-w * lambda).max(0.0);
         }
         self.responses = [a, b];
@@ -413,29 +384,26 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
 
     /// Computes the response to residuals and products together.
     pub fn set_response(&mut self, du: &[[f64; 3]]) {
-        self.responses = [self.respond(du, 1.0, self.slacks.products()), Step::default()];
+        self.responses = [self.respond(du, 1.0, self.x.products()), Variables::default()];
     }
 
     /// Looks ahead along the predictor, `(1 + rho) A + (1 + 2 rho) B + rho x` at the point x.
     pub fn predict(&mut self, rho: f64, ahead: &mut Ahead) {
         let [a, b] = &self.responses;
         for q in 0..Q {
-            let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
-            let dw = (1.0 + rho) * a.w[q] + (1.0 + 2.0 * rho) * b.w[q] + rho * w;
-            let dlambda =
-                (1.0 + rho) * a.lambda[q] + (1.0 + 2.0 * rho) * b.lambda[q] + rho * lambda;
+            let (w, lambda) = self.x.limit(q);
+            let along = |x: f64, a: f64, b: f64| (1.0 + rho) * a + (1.0 + 2.0 * rho) * b + rho * x;
+            let dw = along(w, a.w[q], b.w[q]);
+            let dlambda = along(lambda, a.lambda[q], b.lambda[q]);
             ahead.take(w, lambda, dw, dlambda);
             self.correction[q] = dw * dlambda;
         }
     }
 
-    /// Aims the corrector at the product `target`, with the products of the predictor's steps taken
-    /// into account.
+    /// Aims the corrector at the product `target`, less the products of the predictor's steps.
     pub fn aim(&mut self, target: f64, right: &mut Rows) {
-        for product in &mut self.correction {
-            *product -= target;
-        }
-        let b = std::array::from_fn(|q| self.correction[q] / self.slacks.lambda[q]);
+        self.correction = self.correction.map(|product| product - target);
+        let b = std::array::from_fn(|q| self.correction[q] / self.x.lambda[q]);
         let forces = self.system.forces(&self.law, &[0.0; F], &b);
         self.law.add_forces(&forces, -1.0, right);
     }
@@ -445,28 +413,21 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         self.gain(&self.respond(du, 0.0, self.correction))
     }
 
-    /// The whole step that belongs to a step of the bodies.
-    pub fn set_step(
-        &mut self,
-        du: &[[f64; 3]],
-        of_residuals: f64,
-        of_products: f64,
-        rho: f64,
-        ahead: &mut Ahead,
-    ) {
-        let (correction, products) = (self.correction, self.slacks.products());
+    /// The whole step for a step of the bodies, with these parts of residuals and products.
+    pub fn set_step(&mut self, du: &[[f64; 3]], parts: [f64; 2], rho: f64, ahead: &mut Ahead) {
+        let [of_residuals, of_products] = parts;
+        let (correction, products) = (self.correction, self.x.products());
         let product = std::array::from_fn(|q| of_products * products[q] + correction[q]);
         self.step = self.respond(du, of_residuals, product);
         for q in 0..Q {
-            let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
-            let (dw, dlambda) = (self.step.w[q] + rho * w, self.step.lambda[q] + rho * lambda);
-            ahead.take(w, lambda, dw, dlambda);
+            let ((w, lambda), (dw, dlambda)) = (self.x.limit(q), self.step.limit(q));
+            ahead.take(w, lambda, dw + rho * w, dlambda + rho * lambda);
         }
     }
 
     /// Number of limits that have slack and multiplier, or violate either, by more than `size`.
     pub fn undecided(&self, size: f64) -> usize {
-        let Slacks { w, lambda } = &self.slacks;
+        let Variables { w, lambda, .. } = &self.x;
         (0..Q).filter(|q| !(w[*q].min(lambda[*q]).abs() <= size)).count()
     }
 
@@ -475,10 +436,10 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     pub fn decide(&mut self, size: f64, product: f64) {
         self.correction = [0.0; Q];
         for q in 0..Q {
-            let (w, lambda) = (self.slacks.w[q], self.slacks.lambda[q]);
+            let (w, lambda) = self.x.limit(q);
             if !(w.min(lambda) <= size && w.min(lambda) > 0.0) {
-                let left = self.law.right[q] - self.law.limit(q, &self.s);
-                self.slacks.set(q, left - lambda, product);
+                let left = self.law.right[q] - self.law.limit(q, &self.x.s);
+                self.x.set(q, left - lambda, product);
             }
         }
     }

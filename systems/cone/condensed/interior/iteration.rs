@@ -7,12 +7,10 @@ use super::groups::Groups;
 use super::point::{Interior, Warm, max_magnitude, part_of_way};
 use crate::condensed::MIN_FORCE;
 use crate::condensed::matrix::BodyMatrix;
-use crate::condensed::refinement::refine;
 use crate::condensed::scaled::{Local, Scaled};
 use crate::condensed::settings::InteriorSettings;
 
-/// Minimum of k at the start, force times displacement: a start without products is no reason to
-/// begin at the boundary.
+/// Minimum of k at the start, force times displacement: not at the boundary.
 const MIN_K: f64 = 1e-6;
 /// Maximum displacement of a start. The residuals of a start further away are round-off.
 const MAX_START: f64 = 1e4;
@@ -24,8 +22,7 @@ const GAP_ROUND_OFF: f64 = 1e-11;
 const KINEMATIC_ROUND_OFF: f64 = 1e-15;
 /// Defect of a linear solve, over the maximum force, that round-off leaves.
 const SOLVE_ROUND_OFF: f64 = 1e-14;
-/// Maximum step of tau over tau. At the end of a solve the gap is round-off, and tau must not run
-/// away with it.
+/// Maximum step of tau over tau, which must not run away with a gap that is round-off.
 const MAX_GROWTH: f64 = 1.0;
 /// Round-off of the matrix over its stiffnesses.
 const MATRIX_ROUND_OFF: f64 = 1e-15;
@@ -42,7 +39,6 @@ pub struct Iteration<'a> {
     settings: &'a InteriorSettings,
     /// The interactions, with their forces, slacks and multipliers.
     groups: Groups,
-    /// Displacements by body.
     u: Vec<[f64; 3]>,
     /// The homogenising variable. All other variables are those of the embedding over tau.
     tau: f64,
@@ -60,13 +56,10 @@ pub struct Iteration<'a> {
     length: f64,
     /// Out-of-balance forces by body.
     balance: Vec<[f64; 3]>,
-    /// Maximum out-of-balance force.
     unbalance: f64,
     /// Residuals of the interactions.
     sizes: Sizes,
-    /// Residual of the duality gap.
     gap: f64,
-    /// Its round-off.
     gap_round_off: f64,
     /// Sum of the strengths of the limits, force.
     strengths: f64,
@@ -82,7 +75,6 @@ pub struct Iteration<'a> {
     /// Right side and solution of the whole step.
     right: Vec<[f64; 3]>,
     du: Vec<[f64; 3]>,
-    /// Defect of the solution.
     defect: Vec<[f64; 3]>,
 }
 
@@ -178,14 +170,12 @@ impl<'a> Iteration<'a> {
             + KINEMATIC_ROUND_OFF * max_magnitude(u) * *strengths;
     }
 
-    /// Whether all residuals are numbers.
     pub fn is_finite(&self) -> bool {
         (self.merit() + self.mu + self.gap).is_finite()
     }
 
     /// Residual of the point: balance and limits over the maximum force, kinematics, and the
-    /// maximum product. The mean product says little of a start near a solution, where most are
-    /// zero.
+    /// maximum product: the mean says little of a start near a solution, where most are zero.
     pub fn merit(&self) -> f64 {
         let Sizes { kinematic, primal, product, .. } = self.sizes;
         let force = self.force();
@@ -194,7 +184,6 @@ impl<'a> Iteration<'a> {
             .max(self.settings.product_weight * product / force)
     }
 
-    /// Maximum force, for comparison.
     fn force(&self) -> f64 {
         self.sizes.force.max(MIN_FORCE)
     }
@@ -204,7 +193,6 @@ impl<'a> Iteration<'a> {
         self.k > 1.0
     }
 
-    /// Copies the point.
     pub fn store(&mut self, point: &mut Interior) {
         point.u.clear();
         point.u.extend_from_slice(&self.u[..self.program.free.len()]);
@@ -214,7 +202,6 @@ impl<'a> Iteration<'a> {
         }
     }
 
-    /// Goes back to an earlier point.
     pub fn restore(&mut self, point: &Interior) {
         self.u = self.program.with_known(&point.u);
         (self.is_embedded, self.tau, self.k) = (false, 1.0, 0.0);
@@ -261,11 +248,9 @@ impl<'a> Iteration<'a> {
         program.images.fold(of_products);
     }
 
-    /// Factorises and solves for the responses to residuals and to products; whether the matrix has
-    /// a factor.
+    /// Factorises and solves for both responses; whether there is a factor.
     pub fn respond(&mut self) -> bool {
         let Self { program, matrix, groups, rights, responses, u, .. } = self;
-        let n = program.free.len();
         let [a, b, _] = responses;
         if !self.is_embedded {
             // Both responses have the same factor: one solve serves their sum.
@@ -277,16 +262,14 @@ impl<'a> Iteration<'a> {
             }
         }
         a.clone_from(&rights[0]);
-        if !matrix.factorise_shifted_and_solve(&mut a[..n]) {
+        if !matrix.factorise_shifted_and_solve(a) {
             return false;
         }
-        program.images.spread(a);
         if !self.is_embedded {
             return true;
         }
         b.clone_from(&rights[1]);
-        matrix.solve(&mut b[..n]);
-        program.images.spread(b);
+        matrix.solve(b);
         let (a, b) = (&*a, &*b);
         let square = |i: usize, k: usize| {
             (program.weight[i][k] + self.proximal) * (a[i][k] + 2.0 * b[i][k]).powi(2)
@@ -337,7 +320,6 @@ impl<'a> Iteration<'a> {
     /// Solves for the corrector, and moves the point along the whole step, up to a part of the
     /// distance to the boundary. Returns whether the step is a number.
     pub fn correct(&mut self, target: f64, of_tau: f64) -> bool {
-        let n = self.program.free.len();
         let right = &mut self.rights[2];
         right.fill([0.0; 3]);
         self.groups.scatter(right, |cells, right| {
@@ -346,14 +328,13 @@ impl<'a> Iteration<'a> {
         self.program.images.fold(right);
         let corrector = &mut self.responses[2];
         corrector.clone_from(right);
-        self.matrix.solve(&mut corrector[..n]);
-        self.program.images.spread(corrector);
+        self.matrix.solve(corrector);
         let (rho, dk) = self.step_of_tau(target, of_tau);
-        let (of_residuals, of_products) = (1.0 + rho, 1.0 + 2.0 * rho);
+        let parts = [1.0 + rho, 1.0 + 2.0 * rho];
         let sum = |of: &[Vec<[f64; 3]>; 3], to: &mut [[f64; 3]]| {
             for (i, to) in to.iter_mut().enumerate() {
                 for k in 0..3 {
-                    to[k] = of_residuals * of[0][i][k] + of_products * of[1][i][k] + of[2][i][k];
+                    to[k] = parts[0] * of[0][i][k] + parts[1] * of[1][i][k] + of[2][i][k];
                 }
             }
         };
@@ -362,7 +343,7 @@ impl<'a> Iteration<'a> {
         self.refine();
         let Self { groups, du, .. } = self;
         let mut ahead = groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, of_residuals, of_products, rho, ahead));
+            for_each!(cell of cells => cell.set_step(du, parts, rho, ahead));
         });
         if self.is_embedded {
             ahead.take(1.0, self.k, rho, dk);
@@ -392,14 +373,13 @@ impl<'a> Iteration<'a> {
             *right = std::array::from_fn(|k| r[k] + p[k]);
         }
         self.du.clone_from(&self.right);
-        if !self.matrix.factorise_shifted_and_solve(&mut self.du[..self.program.free.len()]) {
+        if !self.matrix.factorise_shifted_and_solve(&mut self.du) {
             return false;
         }
-        self.program.images.spread(&mut self.du);
         self.refine();
         let Self { groups, du, .. } = self;
         groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, 1.0, 1.0, 0.0, ahead));
+            for_each!(cell of cells => cell.set_step(du, [1.0; 2], 0.0, ahead));
         });
         let is_finite = self.make_step(1.0, 0.0, 0.0);
         self.update_residuals();
@@ -421,7 +401,6 @@ impl<'a> Iteration<'a> {
         (rho, -of_kappa - self.k * rho)
     }
 
-    /// Moves the point.
     fn make_step(&mut self, to_boundary: f64, rho: f64, dk: f64) -> bool {
         let part = part_of_way(self.mu * self.tau * self.tau);
         // A step onto the boundary, tau = 0, is as short of it as one that would cross it.
@@ -458,13 +437,12 @@ impl<'a> Iteration<'a> {
                 for_each!(cell of cells => cell.take_away(du, defect));
             });
         };
-        let enough = SOLVE_ROUND_OFF * force;
-        refine(&program.images, n, enough, du, defect, set, |x| matrix.solve(x));
+        matrix.refine(SOLVE_ROUND_OFF * force, du, defect, set);
     }
 }
 
-/// Minimum compliance of an interaction in a step, displacement over force. It bounds the stiffnesses
-/// of the matrix, whose round-off must stay below the weakest stiffness that holds a body.
+/// Minimum compliance of an interaction in a step. It bounds the stiffnesses of the matrix, whose
+/// round-off must stay below the weakest stiffness that holds a body.
 fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> f64 {
     let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
     let weakest = free.filter(|(free, _)| **free).map(|(_, w)| *w).fold(f64::INFINITY, f64::min);

@@ -1,10 +1,8 @@
-//! The law of one interaction: its limits, their slacks and multipliers, and the rows of its two
-//! bodies.
+//! The law of one interaction: its limits with slacks and multipliers, and the rows of its bodies.
 
 use super::super::scaled::{Arms, Local, first};
 use super::point::slack;
 
-/// Maximum number of pairs of limits.
 pub const MAX_PAIRS: usize = 2;
 
 /// The law of an interaction with `F` forces and `Q` limits: see [`Local`].
@@ -25,7 +23,6 @@ pub struct Rows<'a> {
 }
 
 impl<const F: usize, const Q: usize> Law<F, Q> {
-    /// Pairs of limits.
     pub const PAIRS: usize = Q / 2;
     /// Whether the last limit is one of tension, `-p`.
     pub const HAS_TENSION: bool = Q % 2 == 1;
@@ -69,16 +66,23 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
     }
 }
 
-/// Slacks and multipliers of the limits. They are positive.
+/// Forces, slacks and multipliers of one interaction, or their steps. At a point w, lambda > 0.
 #[derive(Clone, Copy, Debug)]
-pub struct Slacks<const Q: usize> {
-    /// Slacks w.
+pub struct Variables<const F: usize, const Q: usize> {
+    pub s: [f64; F],
+    /// Slacks w of the limits.
     pub w: [f64; Q],
-    /// Multipliers lambda.
+    /// Multipliers lambda of the limits.
     pub lambda: [f64; Q],
 }
 
-impl<const Q: usize> Slacks<Q> {
+impl<const F: usize, const Q: usize> Default for Variables<F, Q> {
+    fn default() -> Self {
+        Self { s: [0.0; F], w: [0.0; Q], lambda: [0.0; Q] }
+    }
+}
+
+impl<const F: usize, const Q: usize> Variables<F, Q> {
     /// Sets slack and multiplier of a limit to this difference, `w - lambda`, and product.
     #[inline]
     pub fn set(&mut self, q: usize, difference: f64, product: f64) {
@@ -86,26 +90,14 @@ impl<const Q: usize> Slacks<Q> {
         self.lambda[q] = product / self.w[q];
     }
 
-    /// Products `w lambda`.
+    /// Slack and multiplier of a limit.
+    #[inline]
+    pub fn limit(&self, q: usize) -> (f64, f64) {
+        (self.w[q], self.lambda[q])
+    }
+
     #[inline]
     pub fn products(&self) -> [f64; Q] {
         std::array::from_fn(|q| self.w[q] * self.lambda[q])
-    }
-}
-
-/// Steps of the forces, slacks and multipliers of one interaction.
-#[derive(Clone, Copy, Debug)]
-pub struct Step<const F: usize, const Q: usize> {
-    /// Steps of the forces.
-    pub s: [f64; F],
-    /// Steps of the slacks.
-    pub w: [f64; Q],
-    /// Steps of the multipliers.
-    pub lambda: [f64; Q],
-}
-
-impl<const F: usize, const Q: usize> Default for Step<F, Q> {
-    fn default() -> Self {
-        Self { s: [0.0; F], w: [0.0; Q], lambda: [0.0; Q] }
     }
 }

@@ -28,10 +28,9 @@
 //! tension, follows from the stationarity of p. These sums are the *ties* of p. With two ties the
 //! stationarity of p gives their sum only, and the relation of each tie to p gives its share.
 
-use super::law::{Law, MAX_PAIRS, Slacks, Step};
+use super::law::{Law, MAX_PAIRS, Variables};
 
-/// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the
-/// limits of the pair alone.
+/// Minimum slope of a tie. With a smaller one p hardly enters: the pair alone gives the sum.
 const MIN_TIE_SLOPE: f64 = 1e-6;
 
 /// The pair of limits of a force x.
@@ -50,7 +49,6 @@ struct Pair {
 /// The system at given slacks and multipliers.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSystem<const F: usize, const Q: usize> {
-    /// Compliances of the step.
     pub compliance: [f64; F],
     /// The matrix T from kinematics to forces.
     pub stiffness: [[f64; F]; F],
@@ -71,12 +69,11 @@ impl<const F: usize, const Q: usize> Default for LocalSystem<F, Q> {
 }
 
 impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
-    /// Sets up the system at slacks w and multipliers lambda, with compliances of at least
-    /// `min_compliance`.
+    /// Sets up the system at a point, with compliances of at least `min_compliance`.
     #[inline]
-    pub fn set(&mut self, law: &Law<F, Q>, slacks: &Slacks<Q>, min_compliance: f64) {
+    pub fn set(&mut self, law: &Law<F, Q>, point: &Variables<F, Q>, min_compliance: f64) {
         self.compliance = law.compliance.map(|c| c.max(min_compliance));
-        let (w, lambda) = (&slacks.w, &slacks.lambda);
+        let Variables { w, lambda, .. } = point;
         let mut sum = self.compliance[0];
         if Law::<F, Q>::HAS_TENSION {
             self.tension = lambda[Q - 1] / w[Q - 1];
@@ -115,8 +112,8 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         }
     }
 
-    /// Steps of the forces, for the kinematics less the residuals of stationarity `e` and the right
-    /// sides `b` of the limits.
+    /// Steps of the forces, for kinematics less stationarity `e`, and right sides `b` of the
+    /// limits.
     #[inline]
     pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {
         let mut of_p = e[0];
@@ -152,11 +149,11 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
     pub fn solve(
         &self,
         law: &Law<F, Q>,
-        Slacks { w, lambda }: &Slacks<Q>,
+        Variables { w, lambda, .. }: &Variables<F, Q>,
         e: &[f64; F],
         defect: &[f64; Q],
         product: &[f64; Q],
-    ) -> Step<F, Q> {
+    ) -> Variables<F, Q> {
         let b = std::array::from_fn(|q| product[q] / lambda[q] - defect[q]);
         let ds = self.forces(law, e, &b);
         let (mut dw, mut dlambda) = ([0.0; Q], [0.0; Q]);
@@ -230,7 +227,7 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         for q in (0..Q).filter(|q| is_active(*q)) {
             dw[q] = -(product[q] + w[q] * dlambda[q]) / lambda[q];
         }
-        Step { s: ds, w: dw, lambda: dlambda }
+        Variables { s: ds, w: dw, lambda: dlambda }
     }
 }
 
@@ -259,7 +256,7 @@ mod tests {
     use proptest::test_runner::TestRunner;
 
     use super::super::super::scaled::Arms;
-    use super::super::law::{Law, Slacks, Step};
+    use super::super::law::{Law, Variables};
     use super::{LocalSystem, MIN_TIE_SLOPE};
 
     fn power(range: std::ops::Range<f64>) -> impl Strategy<Value = f64> {
@@ -287,16 +284,18 @@ mod tests {
     }
 
     /// Not too far from the central path: products differ by a factor of 1e4 at most.
-    fn slacks<const Q: usize>() -> impl Strategy<Value = (Slacks<Q>, [[f64; Q]; 2])> {
+    fn point<const F: usize, const Q: usize>()
+    -> impl Strategy<Value = (Variables<F, Q>, [[f64; Q]; 2])> {
         let each = |_| (power(-8.0..2.0), power(-2.0..2.0), -1.0..1.0_f64, 0.0..2.0_f64);
         (power(-10.0..0.0), std::array::from_fn::<_, Q, _>(each)).prop_map(|(mu, each)| {
-            let slacks = Slacks {
+            let point = Variables {
+                s: [0.0; F],
                 w: each.map(|(w, ..)| w),
                 lambda: each.map(|(w, product, ..)| mu * product / w),
             };
             let defect = each.map(|(w, _, defect, _)| defect * w);
             let product = each.map(|(_, product, _, part)| mu * product * part);
-            (slacks, [defect, product])
+            (point, [defect, product])
         })
     }
 
@@ -310,19 +309,19 @@ mod tests {
 
     /// The steps fulfil the three equations of the system, each to round-off of its terms.
     fn check<const F: usize, const Q: usize>() {
-        let input = (law::<F, Q>(), slacks::<Q>(), prop::array::uniform3(-1.0..1.0_f64));
-        let result = TestRunner::default().run(&input, |(law, (slacks, [defect, product]), e)| {
+        let input = (law::<F, Q>(), point::<F, Q>(), prop::array::uniform3(-1.0..1.0_f64));
+        let result = TestRunner::default().run(&input, |(law, (point, [defect, product]), e)| {
             let e: [f64; F] = std::array::from_fn(|f| e[f]);
             // Both limits of a pair without slope are active only if it has almost no strength.
-            let active = |q: usize| slacks.lambda[q] > slacks.w[q];
+            let active = |q: usize| point.lambda[q] > point.w[q];
             let no_strength =
                 |k: usize| law.slopes[k] <= MIN_TIE_SLOPE && active(2 * k) && active(2 * k + 1);
             prop_assume!(!(0..Law::<F, Q>::PAIRS).any(no_strength));
             let mut system = LocalSystem::default();
-            system.set(&law, &slacks, 0.0);
-            let Step { s: ds, w: dw, lambda: dlambda } =
-                system.solve(&law, &slacks, &e, &defect, &product);
-            let Slacks { w, lambda } = slacks;
+            system.set(&law, &point, 0.0);
+            let Variables { s: ds, w: dw, lambda: dlambda } =
+                system.solve(&law, &point, &e, &defect, &product);
+            let Variables { w, lambda, .. } = point;
             let mut rows: Vec<Vec<f64>> =
                 (0..F).map(|f| vec![law.compliance[f] * ds[f], -e[f]]).collect();
             // The multiplier of an inactive limit is as exact as its slack.

@@ -3,28 +3,23 @@
 //!
 //! After a rupture a few contacts out of thousands change their state, and a cluster that came
 //! loose dominates the global direction. One global step length then serves one cluster per
-//! factorisation. Each cluster on its own is a small problem (`patches`). It is solved to the goal of
-//! the whole program: if all but a few clusters are elastic, its unbalance becomes that of the whole
-//! program after the next step. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai
-//! and Keyes 2002.)
+//! factorisation. Each cluster on its own is a small problem (`patches`). It is solved to the goal
+//! of the whole program: if all but a few clusters are elastic, its unbalance becomes that of the
+//! program after the next step (nonlinear elimination: Cai and Keyes 2002).
 //!
-//! Where a few fast bodies shorten a global step, the step is made without them (`fast`). Local
-//! elimination then balances them.
+//! A step that a few fast bodies shorten is made without them. Local elimination balances them.
 
-mod fast;
 mod patches;
 
 use super::MIN_FORCE;
 use super::matrix::BodyMatrix;
-use super::newton::{Between, Goal, Newton, Point, Step, iterate};
-use super::rolling_spring::RollingSpring;
-use super::scaled::Scaled;
+use super::newton::{Goal, Newton, Point, Step, iterate};
+use super::scaled::{Local, Scaled};
 use super::settings::{LocalSettings, NewtonSettings};
-use super::spring::{Elastic, Spring};
+use super::spring::{Elastic, RollingSpring, Spring};
 use crate::adjacency::Adjacency;
 
-/// Solves the program from the displacements `start` until the unbalance over the maximum force is
-/// at most `goal`.
+/// Solves the program from displacements until unbalance over maximum force is at most `goal`.
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
@@ -34,20 +29,19 @@ pub fn solve(
     goal: f64,
 ) -> Newton {
     let goal = Goal { unbalance: goal, min_force: MIN_FORCE };
-    let mut elimination = Elimination::new(program, local, goal, matrix.is_shared());
+    let elimination = Some(&mut Elimination::new(program, local, goal, matrix.is_shared()));
     if program.locals.iter().any(|l| l.has[2]) {
-        iterate::<RollingSpring, 3>(program, matrix, start, newton, goal, &mut elimination)
+        iterate::<RollingSpring, 3>(program, matrix, start, newton, goal, elimination)
     } else {
-        iterate::<Spring, 2>(program, matrix, start, newton, goal, &mut elimination)
+        iterate::<Spring, 2>(program, matrix, start, newton, goal, elimination)
     }
 }
 
 /// Local elimination between two steps.
-struct Elimination<'a> {
+pub struct Elimination<'a> {
     program: &'a Scaled,
     adjacency: Adjacency,
     settings: &'a LocalSettings,
-    /// Goal of the iteration.
     goal: Goal,
     /// Length of the last step; 0 before the first.
     last_length: f64,
@@ -55,34 +49,7 @@ struct Elimination<'a> {
     fast: Vec<bool>,
     /// Whether bodies were eliminated since the last step: a step comes next in any case.
     is_done: bool,
-    /// Whether threads share the matrix of the program.
     is_shared: bool,
-}
-
-impl<S: Elastic<F>, const F: usize> Between<S, F> for Elimination<'_> {
-    fn move_bodies(&mut self, point: &mut Point<S, F>) -> bool {
-        let is_first = !std::mem::replace(&mut self.is_done, true);
-        let is_short = self.last_length < self.settings.short_step;
-        let moved = is_first && (is_short || !self.fast.is_empty()) && self.eliminate(point);
-        if !moved {
-            self.is_done = false;
-        }
-        moved
-    }
-
-    fn change_step(&mut self, point: &Point<S, F>, step: &mut Step<F>, search: &NewtonSettings) {
-        self.fast.clear();
-        if step.length < self.settings.short_step
-            && let Some((fast, slow)) = self.slow_part(step)
-        {
-            let length = point.search(&slow, search);
-            if length > self.settings.fast * step.length {
-                *step = Step { length: length.min(1.0), ..slow };
-                self.fast = fast;
-            }
-        }
-        self.last_length = step.length;
-    }
 }
 
 impl<'a> Elimination<'a> {
@@ -107,8 +74,67 @@ impl<'a> Elimination<'a> {
             || self.program.images.is_cell(body)
     }
 
-    /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
-    /// moved.
+    /// Eliminates bodies before the next step where that pays; whether any moved.
+    pub fn move_bodies<S: Elastic<F>, const F: usize>(&mut self, point: &mut Point<S, F>) -> bool {
+        let is_first = !std::mem::replace(&mut self.is_done, true);
+        let is_short = self.last_length < self.settings.short_step;
+        let moved = is_first && (is_short || !self.fast.is_empty()) && self.eliminate(point);
+        if !moved {
+            self.is_done = false;
+        }
+        moved
+    }
+
+    /// Leaves fast bodies out of a step after its line search where that makes it longer.
+    pub fn change_step<S: Elastic<F>, const F: usize>(
+        &mut self,
+        point: &Point<S, F>,
+        step: &mut Step<F>,
+        search: &NewtonSettings,
+    ) {
+        self.fast.clear();
+        if step.length < self.settings.short_step
+            && let Some((fast, slow)) = self.slow_part(step)
+        {
+            let length = point.search(&slow, search);
+            if length > self.settings.fast * step.length {
+                *step = Step { length: length.min(1.0), ..slow };
+                self.fast = fast;
+            }
+        }
+        self.last_length = step.length;
+    }
+
+    /// The fast bodies, and a step without them. Where a few loose bodies move far, the state of
+    /// their contacts changes at once. These contacts would shorten a step that all other bodies
+    /// could make, and their kinematics are not counted: they are zero.
+    ///
+    /// A body is fast if its step exceeds `settings.fast` times the `fast_quantile` of all steps and
+    /// it is not held. `None` where no body is fast.
+    fn slow_part<const F: usize>(&self, step: &Step<F>) -> Option<(Vec<bool>, Step<F>)> {
+        let (Step { du, de, length }, program) = (step, self.program);
+        let size = |du: &[f64; 3]| du[0].hypot(du[1]).max(du[2].abs());
+        let bodies = &du[..program.free.len()];
+        let mut sizes: Vec<f64> = bodies.iter().map(size).collect();
+        let last = sizes.len() - 1;
+        let place = ((self.settings.fast_quantile * sizes.len() as f64) as usize).min(last);
+        let (_, quantile, _) = sizes.select_nth_unstable_by(place, f64::total_cmp);
+        let threshold = self.settings.fast * *quantile;
+        let is_fast = |i: usize| size(&du[i]) > threshold && !self.is_held(i);
+        let fast: Vec<bool> = (0..bodies.len()).map(is_fast).collect();
+        if !fast.contains(&true) {
+            return None;
+        }
+        let slow = |(du, fast): (&[f64; 3], &bool)| if *fast { [0.0; 3] } else { *du };
+        let both_slow = |l: &Local| !program.pair(l).iter().any(|i| fast[*i]);
+        let mut du: Vec<_> = du.iter().zip(&fast).map(slow).collect();
+        program.images.extend(&mut du);
+        let counted = |(de, l): (&[f64; F], &Local)| if both_slow(l) { *de } else { [0.0; F] };
+        let de = de.iter().zip(&program.locals).map(counted).collect();
+        Some((fast, Step { du, de, length: *length }))
+    }
+
+    /// Brings bodies that are furthest out of balance, and fast ones, to it; whether any moved.
     fn eliminate<S: Elastic<F>, const F: usize>(&self, point: &mut Point<S, F>) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let n = self.program.free.len();
@@ -147,6 +173,28 @@ mod tests {
             for (k, s) in result.s.iter().enumerate() {
                 assert!((s[0] - (6 - k) as f64).abs() < 1e-9, "lift {lift}: {:?}", result.s);
             }
+        }
+    }
+
+    /// One of 100 bodies moves ten times further than all others, or none does.
+    #[test]
+    fn a_body_beyond_the_quantile_is_fast() {
+        let scaled = Scaled::natural(&column(99, 0.1));
+        let settings = LocalSettings::default();
+        let goal = Goal { unbalance: 0.0, min_force: 0.0 };
+        let elimination = Elimination::new(&scaled, &settings, goal, false);
+        let mut step =
+            Step { du: vec![[0.0, 1.0, 0.0]; 100], de: vec![[1.0, 0.0]; 99], length: 0.1 };
+        assert!(elimination.slow_part(&step).is_none());
+        step.du[7] = [0.0, 10.0, 0.0];
+        let (fast, slow) = elimination.slow_part(&step).unwrap();
+        for i in 0..100 {
+            assert_eq!(fast[i], i == 7);
+            assert_eq!(slow.du[i], if i == 7 { [0.0; 3] } else { step.du[i] });
+        }
+        // Interactions 6 and 7 join body 7 to its neighbours.
+        for k in 0..99 {
+            assert_eq!(slow.de[k][0], if k == 6 || k == 7 { 0.0 } else { 1.0 });
         }
     }
 }

@@ -2,13 +2,12 @@
 //! interactions, and balances each with all other bodies held.
 
 use super::super::matrix::{BodyMatrix, places};
-use super::super::newton::{Goal, Nothing, iterate};
+use super::super::newton::{Goal, iterate};
 use super::super::parallel::in_parallel;
 use super::super::scaled::Scaled;
 use super::super::spring::Elastic;
 use super::Elimination;
 
-/// Bodies with their displacements.
 type Motion = Vec<(usize, [f64; 3])>;
 
 impl Elimination<'_> {
@@ -96,8 +95,7 @@ impl Elimination<'_> {
         solutions.into_iter().flatten().flatten().collect()
     }
 
-    /// Displacements of the `members` with all others held where `start` has them; `None` if the
-    /// result is not finite.
+    /// Displacements of the `members` with all others held; `None` if the result is not finite.
     fn balance<S: Elastic<F>, const F: usize>(
         &self,
         members: &[usize],
@@ -149,8 +147,7 @@ impl Elimination<'_> {
         };
         part.locals = used.iter().map(with_others_held).collect();
         let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
-        let result =
-            iterate::<S, F>(&part, &mut matrix, &from, &self.settings.newton, goal, &mut Nothing);
+        let result = iterate::<S, F>(&part, &mut matrix, &from, &self.settings.newton, goal, None);
         if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
             return None;
         }

@@ -16,7 +16,6 @@ use super::share::{By, Share};
 const DIAGONAL: usize = 6;
 const PAIR: usize = 9;
 
-/// The factor of a task.
 pub struct Cholesky {
     /// Front by front, without the triangles of the pivots.
     factor: Vec<f64>,
@@ -55,7 +54,7 @@ impl Arithmetic for Cholesky {
 
     /// Its trapezoid, and the copy of it if it is large.
     fn room(front: &Front) -> [usize; 2] {
-        [front.panel_len(), packed::packed_len(front)]
+        [front.height() * front.width(), packed::packed_len(front)]
     }
 
     #[inline(always)]

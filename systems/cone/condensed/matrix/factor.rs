@@ -11,9 +11,9 @@ use pulp::{Arch, Simd, WithSimd};
 
 use super::dense::LANES;
 use super::fronts::{Front, Fronts, Task};
-use super::schedule::{downward, upward};
 use super::share::{By, Share, dispatch};
-use crate::condensed::parallel::{Lent, split};
+use super::tasks::{downward, upward};
+use crate::condensed::parallel::{Memory, split};
 
 /// The factor of a task, and the arithmetic of its fronts. All functions are inlined into a caller
 /// that is compiled for the instructions of the machine.
@@ -27,15 +27,14 @@ pub trait Arithmetic: Send + Sync {
     /// Adds `G D G'` to the numbers of a body with the rows G.
     fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]);
 
-    /// Adds `G D G'` to the numbers of a pair with the rows G, those of the body that is eliminated
-    /// first coming first.
+    /// Adds `G D G'` to the numbers of a pair with the rows G, the body eliminated first coming
+    /// first.
     fn add_pair<const F: usize>(
         block: &mut Self::Pair,
         rows: [&[[f64; F]; 3]; 2],
         d: &[[f64; F]; F],
     );
 
-    /// Room for the factor of a task.
     fn new(fronts: &Fronts, task: &Task) -> Self;
 
     /// Numbers of two kinds that a front needs while it is being eliminated.
@@ -53,57 +52,44 @@ pub trait Arithmetic: Send + Sync {
         room: [&mut [f64]; 2],
     ) -> bool;
 
-    /// Forward solve of one front. `local` has the numbers of its pivots and rows, and [`LANES`]
-    /// zeros.
+    /// Forward solve of a front. `local` has numbers of its pivots and rows, and [`LANES`] zeros.
     fn forward(&self, at: At, local: &mut [f64]);
 
-    /// Backward solve of one front. `local` has the numbers of its pivots, the solution of its rows,
-    /// and [`LANES`] zeros.
+    /// Backward solve of a front. `local` has its pivots, the solution of its rows, [`LANES`]
+    /// zeros.
     fn backward(&self, at: At, local: &mut [f64]);
 }
 
-/// Values of the matrix: blocks of bodies in the order of elimination, and of pairs front by front.
 #[derive(Clone, Copy)]
 pub struct Values<'a, B, P> {
     pub bodies: &'a [B],
     pub pairs: &'a [P],
 }
 
-/// A front and its place.
 #[derive(Clone, Copy)]
 pub struct At<'a> {
     pub fronts: &'a Fronts,
     task: &'a Task,
-    /// Its number among all, and within its task.
-    pub number: usize,
+    /// Its number within its task.
     pub within: usize,
     pub front: &'a Front,
 }
 
 impl<'a> At<'a> {
-    /// The fronts of a task.
     fn all(fronts: &'a Fronts, task: usize) -> impl DoubleEndedIterator<Item = Self> {
         let task = &fronts.tasks[task];
-        let first = task.fronts.start;
         let list = fronts.list[task.fronts.clone()].iter().enumerate();
-        list.map(move |(within, front)| Self {
-            fronts,
-            task,
-            number: first + within,
-            within,
-            front,
-        })
+        list.map(move |(within, front)| Self { fronts, task, within, front })
     }
 
-    /// Blocks of its pivots.
     pub fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
         &bodies[self.task.places.start..][self.front.pivots.clone()]
     }
 
     /// Blocks of its pairs, each with the places of the two bodies among its pivots and rows.
     pub fn of_pairs<P>(self, pairs: &'a [P]) -> impl Iterator<Item = (&'a [u32; 2], &'a P)> {
-        let starts = &self.fronts.pair_starts;
-        let own = starts[self.number]..starts[self.number + 1];
+        let starts = &self.fronts.pair_starts[self.task.fronts.start + self.within..];
+        let own = starts[0]..starts[1];
         self.fronts.pairs[own.clone()].iter().zip(&pairs[own])
     }
 
@@ -122,7 +108,6 @@ impl<'a> At<'a> {
     }
 }
 
-/// The numbers of a task.
 struct Part<A> {
     factor: A,
     /// Updates that wait for the parents of their fronts: of fronts in even depth, then in odd
@@ -131,31 +116,18 @@ struct Part<A> {
     /// Right side and solution of its bodies, then of those beyond: the task adds to the right side
     /// of those, and needs their solution.
     work: Vec<[f64; 3]>,
-    /// Length of the numbers of its largest fronts.
+    /// Numbers of two kinds that its largest fronts need, and for the right side of a front.
     room: [usize; 3],
 }
 
-/// Numbers of the front that is being eliminated, and its right side and solution.
-type Current = [Vec<f64>; 3];
-
-fn fit(current: &mut Current, room: &[usize; 3]) {
-    for (numbers, len) in current.iter_mut().zip(room) {
-        if numbers.len() < *len {
-            *numbers = vec![0.0; *len];
-        }
-    }
-}
-
-/// The factor of a matrix.
 pub struct Factor<A: Arithmetic> {
     parts: Vec<Part<A>>,
-    current: Lent<Current>,
-    updates: Lent<Vec<f64>>,
+    /// For updates and for the numbers of fronts.
+    memory: Memory,
     instructions: Arch,
 }
 
 impl<A: Arithmetic> Factor<A> {
-    /// Room for the factor of a matrix with these fronts.
     pub fn new(fronts: &Fronts) -> Self {
         let part = |task: &Task| {
             let mut room = [0; 3];
@@ -164,23 +136,18 @@ impl<A: Arithmetic> Factor<A> {
                 let own = [a, b, 3 * front.bodies() + LANES];
                 room = [0, 1, 2].map(|k| own[k].max(room[k]));
             }
-            let (factor, work) = (A::new(fronts, task), vec![[0.0; 3]; task.bodies()]);
+            let (factor, work) =
+                (A::new(fronts, task), vec![[0.0; 3]; task.places.len() + task.beyond.len()]);
             Part { factor, updates: Vec::new(), work, room }
         };
-        Self {
-            parts: fronts.tasks.iter().map(part).collect(),
-            current: Lent::default(),
-            updates: Lent::default(),
-            instructions: Arch::new(),
-        }
+        let parts = fronts.tasks.iter().map(part).collect();
+        Self { parts, memory: Memory::default(), instructions: Arch::new() }
     }
 
-    /// Whether there is work for several threads.
     pub fn is_shared(&self) -> bool {
         self.parts.len() > 1
     }
 
-    /// The factors of the tasks.
     pub fn parts(&self) -> impl Iterator<Item = &A> {
         self.parts.iter().map(|part| &part.factor)
     }
@@ -192,51 +159,49 @@ impl<A: Arithmetic> Factor<A> {
         values: Values<A::Body, A::Pair>,
         right: Option<&[[f64; 3]]>,
     ) -> bool {
-        let Self { parts, current, updates, instructions } = self;
+        let Self { parts, memory, instructions } = self;
         let shared = parts.len() > 1;
-        let has_factor = upward(&fronts.sizes, parts, &|task, below, part| {
+        let has_factor = upward(0, &fronts.sizes, parts, &|task, below, part| {
             let of_task = &fronts.tasks[task];
-            part.updates = updates.take(of_task.update_len.iter().sum());
+            part.updates = memory.take(of_task.update_len.iter().sum());
             if let Some(right) = right {
                 gather_below(fronts, task, right, below, &mut part.work);
             }
             let solves = right.is_some();
-            let has_factor = current.with(|current| {
-                let below = &*below;
-                let work = Eliminate { fronts, values, task, part, below, current, solves };
-                dispatch(*instructions, shared, work)
-            });
+            let mut room = memory.take(part.room.iter().sum());
+            let of_below = &*below;
+            let work =
+                Eliminate { fronts, values, task, part, below: of_below, room: &mut room, solves };
+            let has_factor = dispatch(*instructions, shared, work);
+            memory.give(room);
             let first_below = task - below.len();
             for other in &fronts.below[task] {
-                updates.give(take(&mut below[other - first_below].updates));
+                memory.give(take(&mut below[other - first_below].updates));
             }
             has_factor
         });
         // Those of the roots, and of all tasks below one without a factor.
         for part in parts {
-            updates.give(take(&mut part.updates));
+            memory.give(take(&mut part.updates));
         }
         has_factor
     }
 
-    /// Forward solve with the last factor.
     pub fn forward(&mut self, fronts: &Fronts, right: &[[f64; 3]]) {
-        let Self { parts, current, instructions, .. } = self;
-        upward(&fronts.sizes, parts, &|task, below, part| {
+        let Self { parts, memory, instructions } = self;
+        upward(0, &fronts.sizes, parts, &|task, below, part| {
             gather_below(fronts, task, right, below, &mut part.work);
-            current.with(|current| {
-                instructions.dispatch(Solve { fronts, task, part, current, backward: false });
-            });
+            instructions.dispatch(Solve { fronts, task, part, memory, backward: false });
             true
         });
     }
 
     /// Backward solve with the last factor, after the forward solve.
     pub fn backward(&mut self, fronts: &Fronts, x: &mut [[f64; 3]]) {
-        let Self { parts, current, instructions, .. } = self;
+        let Self { parts, memory, instructions } = self;
         let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
         let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
-        downward(&fronts.sizes, &mut parts, &|task, above, (part, x)| {
+        downward(0, &fronts.sizes, &mut parts, None, &|task, above, (part, x)| {
             if let Some((above, _)) = above {
                 let task = &fronts.tasks[task];
                 let places = &fronts.beyond_above[task.beyond.clone()];
@@ -244,16 +209,13 @@ impl<A: Arithmetic> Factor<A> {
                     *x = above.work[*place as usize];
                 }
             }
-            current.with(|current| {
-                instructions.dispatch(Solve { fronts, task, part, current, backward: true });
-            });
+            instructions.dispatch(Solve { fronts, task, part, memory, backward: true });
             x.copy_from_slice(&part.work[..x.len()]);
         });
     }
 }
 
-/// Sets the work of a task to the right side, with the contributions of the tasks below it one
-/// after the other.
+/// Sets the work of a task to the right side, and adds what the tasks below it contribute.
 fn gather_below<A>(
     fronts: &Fronts,
     task: usize,
@@ -313,16 +275,13 @@ fn solve_front<A: Arithmetic>(factor: &A, at: At, work: &mut [[f64; 3]], local: 
     }
 }
 
-/// Factorisation of a task.
 struct Eliminate<'a, 'v, A: Arithmetic> {
     fronts: &'a Fronts,
     values: Values<'v, A::Body, A::Pair>,
     task: usize,
     part: &'a mut Part<A>,
-    /// The other tasks of its subtrees.
     below: &'a [Part<A>],
-    current: &'a mut Current,
-    /// Whether a forward solve goes with it.
+    room: &'a mut [f64],
     solves: bool,
 }
 
@@ -331,11 +290,12 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self(share, Eliminate { fronts, values, task, part, below, current, solves }) = self;
+        let Self(share, Eliminate { fronts, values, task, part, below, room, solves }) = self;
         let first_below = task - below.len();
         let of_task = &fronts.tasks[task];
-        fit(current, &part.room);
-        let ([first, second, local], Part { factor, updates, work, .. }) = (current, part);
+        let (first, rest) = room.split_at_mut(part.room[0]);
+        let (second, local) = rest.split_at_mut(part.room[1]);
+        let Part { factor, updates, work, .. } = part;
         let (even, odd) = updates.split_at_mut(of_task.update_len[0]);
         for at in At::all(fronts, task) {
             let front = at.front;
@@ -369,7 +329,7 @@ struct Solve<'a, A> {
     fronts: &'a Fronts,
     task: usize,
     part: &'a mut Part<A>,
-    current: &'a mut Current,
+    memory: &'a Memory,
     backward: bool,
 }
 
@@ -378,19 +338,19 @@ impl<A: Arithmetic> WithSimd for Solve<'_, A> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { fronts, task, part, current, backward } = self;
-        fit(current, &part.room);
-        let [.., local] = current;
-        if !backward {
-            for at in At::all(fronts, task) {
-                solve_front(&part.factor, at, &mut part.work, local);
+        let Self { fronts, task, part, memory, backward } = self;
+        let mut local = memory.take(part.room[2]);
+        if backward {
+            for at in At::all(fronts, task).rev() {
+                let local = gather(at, &part.work, &mut local);
+                part.factor.backward(at, local);
+                store(&mut part.work[at.front.pivots.clone()], local);
             }
-            return;
+        } else {
+            for at in At::all(fronts, task) {
+                solve_front(&part.factor, at, &mut part.work, &mut local);
+            }
         }
-        for at in At::all(fronts, task).rev() {
-            let local = gather(at, &part.work, local);
-            part.factor.backward(at, local);
-            store(&mut part.work[at.front.pivots.clone()], local);
-        }
+        memory.give(local);
     }
 }

@@ -1,5 +1,4 @@
-//! The data of a factorisation that depend on the pattern only: fronts, their order, and the places
-//! of their numbers.
+//! The data of a factorisation that depend on the pattern only: fronts, and places of numbers.
 //!
 //! A front has pivots, a group of bodies that are eliminated together, and rows, the bodies that
 //! are coupled with them. Its numbers are a dense trapezoid, the columns of the factor at its
@@ -10,15 +9,13 @@ use std::ops::Range;
 
 use super::dense::LANES;
 use super::packed::packed_len;
-use super::schedule::parents;
-use super::tasks::work;
+use super::tasks::{parents, work};
 
 /// Number of branches in which passes over the interactions are divided, as far as the tree allows.
 const BRANCHES: usize = 16;
 
 /// One front. Places of bodies are those within its task: see [`Fronts::within`].
 pub struct Front {
-    /// Places of the pivots.
     pub pivots: Range<usize>,
     /// Range of its rows in [`Fronts::rows`] and [`Fronts::in_parent`].
     pub rows: Range<usize>,
@@ -50,12 +47,6 @@ impl Front {
         (3 * self.bodies() + LANES - 1).next_multiple_of(LANES)
     }
 
-    /// Numbers in the trapezoid.
-    pub fn panel_len(&self) -> usize {
-        self.height() * self.width()
-    }
-
-    /// Its pivots and rows.
     pub fn bodies(&self) -> usize {
         self.pivots.len() + self.rows.len()
     }
@@ -69,7 +60,6 @@ impl Front {
 /// Some subtrees of the tree, without the parts of them that are tasks of their own.
 #[derive(Default)]
 pub struct Task {
-    /// Its fronts.
     pub fronts: Range<usize>,
     /// Its bodies in the order of elimination.
     pub places: Range<usize>,
@@ -81,19 +71,10 @@ pub struct Task {
     pub update_len: [usize; 2],
 }
 
-impl Task {
-    /// Its bodies and the rows of its subtrees.
-    pub fn bodies(&self) -> usize {
-        self.places.len() + self.beyond.len()
-    }
-}
-
 /// All fronts, children before their parents.
 #[derive(Default)]
 pub struct Fronts {
-    /// Bodies in the order of their elimination.
     pub order: Vec<usize>,
-    /// The fronts.
     pub list: Vec<Front>,
     /// The tasks, in the order of elimination.
     pub tasks: Vec<Task>,
@@ -141,7 +122,6 @@ impl Fronts {
         })
     }
 
-    /// The task of a front.
     pub fn task_of(&self, front: usize) -> usize {
         self.tasks.partition_point(|task| task.fronts.end <= front)
     }
@@ -176,8 +156,7 @@ impl Fronts {
         branches
     }
 
-    /// Work of the longest path over that of the whole tree, where `threads` threads share the work
-    /// on large fronts.
+    /// Work of the longest path over that of the tree, where `threads` threads share large fronts.
     pub fn longest_path(&self, threads: usize) -> f64 {
         let (mut total, mut longest) = (0.0, 0.0_f64);
         let mut below = vec![0.0_f64; self.tasks.len()];

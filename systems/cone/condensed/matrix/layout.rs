@@ -1,5 +1,5 @@
-//! The order of elimination, approximate minimum degree on the graph of bodies and interactions; the
-//! order of the fronts, children before parents and task by task; and a place for all their numbers.
+//! The order of elimination, approximate minimum degree on the graph of bodies; that of the fronts,
+//! children before parents and task by task; and a place for all their numbers.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -8,11 +8,9 @@ use faer::sparse::linalg::amd;
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};
 use super::merge::{Group, columns, merge};
-use super::schedule::parents;
-use super::tasks::cut;
+use super::tasks::{cut, parents};
 use crate::adjacency::Adjacency;
 
-/// The place of a pair of bodies.
 #[derive(Clone, Copy)]
 pub struct PairPlace {
     /// Its place among the pairs of all fronts.
@@ -21,8 +19,7 @@ pub struct PairPlace {
     pub bodies: [usize; 2],
 }
 
-/// The fronts of `bodies` bodies coupled by `pairs`, and the place of every pair. `None` if faer finds
-/// no order.
+/// The fronts of bodies coupled by `pairs`, and the place of every pair; `None` without an order.
 pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<PairPlace>)> {
     let neighbours = Adjacency::of_neighbours(bodies, pairs);
     let mut fronts = fronts(&minimum_degree(&neighbours)?, &neighbours);
@@ -52,8 +49,7 @@ pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<Pair
     Some((fronts, of_pair))
 }
 
-/// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
-/// same fill.
+/// The fronts of bodies with these neighbours, in this order or one with the same fill.
 fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     let n = order.len();
     let column_rows = &columns(order, neighbours)[..];
@@ -95,7 +91,6 @@ fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     fronts
 }
 
-/// The fronts that are laid out so far.
 struct Layout<'a> {
     column_rows: &'a [Vec<u32>],
     groups: &'a [Option<Group>],
@@ -131,8 +126,7 @@ impl Layout<'_> {
                 update: used[mine],
                 odd: mine == 1,
             };
-            // Its children have the last updates in their stack; those of other tasks are in other
-            // stacks.
+            // Its children have the last updates in their stack; other tasks have other stacks.
             let mut children = fronts.children[first_child..].iter().map(|c| *c as usize);
             if let Some(child) = children.find(|c| *c >= first_front) {
                 used[theirs] = fronts.list[child].update;
@@ -242,8 +236,7 @@ pub fn places(order: &[usize]) -> Vec<usize> {
     places
 }
 
-/// Bodies in the order of elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses the
-/// pattern.
+/// The order of elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses the pattern.
 pub fn minimum_degree(neighbours: &Adjacency) -> Option<Vec<usize>> {
     let n = neighbours.bodies();
     if n == 0 {

@@ -3,10 +3,9 @@
 //! 1992); under Coulomb's law it is not symmetric and the method is LU on the same fronts.
 //!
 //! Its pattern is the graph of bodies and interactions. The order of elimination (approximate
-//! minimum degree on that graph) and the fronts are kept as long as the pattern stays. Most fronts
-//! have a handful of bodies, and the number of three unknowns per body is known to the compiler.
-//! The factorisation is therefore two to four times as fast as one for general matrices (decision
-//! 005).
+//! minimum degree) and the fronts are kept as long as the pattern stays. Most fronts have a handful
+//! of bodies, and the three unknowns per body are known to the compiler: the factorisation is two
+//! to four times as fast as one for general matrices (decision 005).
 
 mod assembly;
 mod cholesky;
@@ -15,10 +14,8 @@ mod factor;
 mod fronts;
 mod layout;
 mod lu;
-mod lu_fronts;
 mod merge;
 mod packed;
-mod schedule;
 mod share;
 mod tasks;
 
@@ -30,8 +27,9 @@ use self::factor::{Arithmetic, Factor, Values};
 use self::fronts::Fronts;
 use self::layout::PairPlace;
 pub(super) use self::layout::places;
-pub(crate) use self::lu_fronts::Lu;
+pub(crate) use self::lu::Lu;
 use super::images::{self, Images};
+use super::interior::max_magnitude;
 use super::parallel::{in_pool, split};
 use super::scaled::Scaled;
 use crate::program::ConeProgram;
@@ -39,6 +37,9 @@ use crate::program::ConeProgram;
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
 /// round-off, and more where that is not enough.
 const SHIFTS: [f64; 3] = [1e-14, 1e-12, 1e-10];
+
+/// Maximum number of refinements of a linear solve.
+const MAX_REFINEMENTS: usize = 8;
 
 /// A matrix, its factor, and the data that depend on its pattern only.
 pub struct Matrix<A: Arithmetic> {
@@ -92,7 +93,6 @@ impl<A: Arithmetic> Kept<A> {
 
 impl<A: Arithmetic> Matrix<A> {
     /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
-    #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
         let (fronts, places) = layout::of_pairs(bodies, pairs)?;
         Some(Self {
@@ -106,7 +106,6 @@ impl<A: Arithmetic> Matrix<A> {
     }
 
     /// Bodies in the order of elimination. All other functions number bodies by this order.
-    #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.fronts.order
     }
@@ -120,27 +119,23 @@ impl<A: Arithmetic> Matrix<A> {
     }
 
     /// Whether there is work for several threads.
-    #[must_use]
     pub fn is_shared(&self) -> bool {
         self.factor.is_shared()
     }
 
     /// Number of tasks into which the tree of fronts is cut for several threads.
-    #[must_use]
     pub fn tasks(&self) -> usize {
         self.fronts.tasks.len()
     }
 
-    /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
-    /// threads share the work on large fronts: a lower bound of the part of the time that they take.
-    #[must_use]
+    /// Work of the longest path of the tree of fronts over that of the tree, where `threads`
+    /// threads share large fronts: a lower bound of the part of the time that they take.
     pub fn longest_path(&self, threads: usize) -> f64 {
         self.fronts.longest_path(threads)
     }
 
     /// Ranges of bodies, in the order of elimination, that no pair joins: several threads can work
     /// on them at once. Empty if the work is too small for that.
-    #[must_use]
     pub fn branches(&self) -> Vec<Range<usize>> {
         self.extents().into_iter().map(|[bodies, _]| bodies).collect()
     }
@@ -192,33 +187,60 @@ impl<A: Arithmetic> Matrix<A> {
         factor.factorise(fronts, Values { bodies, pairs }, right)
     }
 
-    /// Solves in place with the last factor, after the factorisation has returned true. `x` is in
-    /// the order of elimination.
+    /// Solves in place with the last factor, after the factorisation has returned true. `x` has the
+    /// bodies in the order of elimination, and then the images of the program.
     pub fn solve(&mut self, x: &mut [[f64; 3]]) {
         let Self { fronts, factor, .. } = self;
         in_pool(factor.is_shared(), || {
             factor.forward(fronts, x);
             factor.backward(fronts, x);
         });
+        self.images.spread(x);
+    }
+
+    /// Refines a solution until its defect is at most `enough` or a refinement does not halve it:
+    /// round-off of the factor must not become an error of the step. `set` sets the defect of a
+    /// solution, in the rows of bodies and images.
+    pub(crate) fn refine(
+        &mut self,
+        enough: f64,
+        x: &mut [[f64; 3]],
+        defect: &mut [[f64; 3]],
+        mut set: impl FnMut(&[[f64; 3]], &mut [[f64; 3]]),
+    ) {
+        let mut last = f64::INFINITY;
+        for _ in 0..MAX_REFINEMENTS {
+            set(x, defect);
+            self.images.fold(defect);
+            let now = max_magnitude(&defect[..self.bodies.len()]);
+            if now <= enough || !(now <= 0.5 * last) {
+                return;
+            }
+            last = now;
+            self.solve(defect);
+            for (x, d) in x.as_flattened_mut().iter_mut().zip(defect.as_flattened()) {
+                *x += d;
+            }
+        }
     }
 }
 
 impl BodyMatrix {
     /// Maximum value on the diagonal.
-    #[must_use]
     pub fn max_diagonal(&self) -> f64 {
         let on_diagonal =
             |block: &<Cholesky as Arithmetic>::Body| Cholesky::DIAGONAL.map(|k| block[k]);
         self.bodies.iter().flat_map(on_diagonal).fold(0.0, f64::max)
     }
 
-    /// Factorises, and solves in place; whether the matrix was positive definite. If not, `x` stays
-    /// as it was. `x` is in the order of elimination.
+    /// Factorises, and solves in place as [`solve`](Self::solve); whether the matrix was positive
+    /// definite. If not, `x` stays as it was.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
         let definite = self.factorise_with(Some(x));
         if definite {
             self.factor.backward(&self.fronts, x);
+            self.images.spread(x);
         }
         definite
     }
@@ -253,7 +275,6 @@ impl UnsymmetricMatrix {
     }
 
     /// Sign of the determinant of the matrix that was factorised last.
-    #[must_use]
     pub fn sign(&self) -> f64 {
         self.factor.parts().map(|part| part.sign).product()
     }

@@ -1,4 +1,4 @@
-//! Cuts the tree of fronts into tasks. A task waits for the tasks below it alone, so that several
+//! Cuts the tree of fronts into tasks, and passes over them. A task waits for the tasks below it alone, so that several
 //! threads can work on the tree at once.
 //!
 //! A subtree with at most a two-hundredth of the work, or with little work, is not cut; small ones
@@ -8,9 +8,9 @@
 //! order: any number of threads gives the same bytes.
 
 use super::merge::Group;
+use crate::condensed::parallel::join;
 
-/// Minimum number of bodies of a matrix with more than one task: for less, a second thread gains
-/// nothing.
+/// Minimum number of bodies of a matrix with several tasks: a second thread gains nothing below.
 const MIN_BODIES: usize = 1000;
 /// Maximum work of a subtree that is not cut, as a part of the whole.
 const GRAIN: f64 = 1.0 / 200.0;
@@ -18,21 +18,17 @@ const GRAIN: f64 = 1.0 / 200.0;
 /// Shorter tasks, each with memory of its own, make the solves of 2000 disks up to 6 % slower.
 const MIN_WORK: f64 = 1e6;
 
-/// A task of the cut.
 #[derive(Default)]
 pub struct Cut {
-    /// The columns at the feet of its subtrees. The tasks below it are parts of these subtrees that
-    /// do not belong to it.
+    /// The columns at the feet of its subtrees, of which the tasks below it have their parts.
     pub feet: Vec<usize>,
     /// Number of tasks in its subtrees, itself included: it comes last of them.
     pub size: usize,
 }
 
-/// A task while the tree is cut.
 #[derive(Default)]
 struct Node {
     feet: Vec<usize>,
-    /// The tasks directly below.
     below: Vec<usize>,
     /// Columns of small subtrees that hang on it.
     small: Vec<usize>,
@@ -132,4 +128,66 @@ pub fn work(pivots: usize, rows: usize) -> f64 {
     let multiplications = width * (width * width / 3.0 + width * below + below * below);
     let numbers = width * (width + below) + below * below;
     multiplications + 4.0 * numbers
+}
+
+// Passes over the tasks of a tree. `sizes` has the number of tasks in the subtree of each, itself
+// included; every task comes after the rest of its subtree. The recursion is at most as deep as
+// there are tasks.
+
+/// Calls `f` for every task of complete subtrees, whose tasks are counted from `first`, with its
+/// number, the data of the other tasks in its subtree, and its own: for those below a task first.
+/// Returns whether all calls returned true; a task above one that did not is left out.
+pub fn upward<T: Send + Sync>(
+    first: usize,
+    sizes: &[usize],
+    data: &mut [T],
+    f: &(impl Fn(usize, &mut [T], &mut T) -> bool + Sync),
+) -> bool {
+    let Some(size) = sizes.last() else { return true };
+    let at = sizes.len() - size;
+    let (before, subtree) = data.split_at_mut(at);
+    let others = || upward(first, &sizes[..at], before, f);
+    let last = || {
+        let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
+        let first = first + at;
+        upward(first, &sizes[at..sizes.len() - 1], below, f) && f(first + below.len(), below, own)
+    };
+    let (others, last) = join(at > 0, others, last);
+    others && last
+}
+
+/// Calls `f` for every task of complete subtrees, whose tasks are counted from `first`, with its
+/// number, the data of the task `above` it, and its own: for the task above first.
+pub fn downward<T: Send + Sync>(
+    first: usize,
+    sizes: &[usize],
+    data: &mut [T],
+    above: Option<&T>,
+    f: &(impl Fn(usize, Option<&T>, &mut T) + Sync),
+) {
+    let Some(size) = sizes.last() else { return };
+    let at = sizes.len() - size;
+    let (before, subtree) = data.split_at_mut(at);
+    let others = || downward(first, &sizes[..at], before, above, f);
+    let last = || {
+        let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
+        let first = first + at;
+        f(first + below.len(), above, own);
+        downward(first, &sizes[at..sizes.len() - 1], below, Some(own), f);
+    };
+    join(at > 0, others, last);
+}
+
+/// The task above every task.
+pub fn parents(sizes: &[usize]) -> Vec<Option<usize>> {
+    let mut parents = vec![None; sizes.len()];
+    let mut open: Vec<usize> = Vec::new();
+    for k in (0..sizes.len()).rev() {
+        while open.last().is_some_and(|above| k + sizes[*above] <= *above) {
+            open.pop();
+        }
+        parents[k] = open.last().copied();
+        open.push(k);
+    }
+    parents
 }

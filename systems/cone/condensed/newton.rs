@@ -1,13 +1,89 @@
-//! A point of the iteration, its evaluation, and the step from it.
+//! Semismooth Newton iteration in the displacements, where every force has a compliance.
+//!
+//! Given u, the forces of a contact are the projection of its elastic trial onto its limits in the
+//! metric of the compliances ([`Spring`](super::spring::Spring), and
+//! [`RollingSpring`](super::spring::RollingSpring) with a rolling moment). The balance is
+//! then the gradient of a convex, piecewise quadratic function of u, and its generalised Hessian is
+//! the condensed matrix of the current regions. The derivative along a step is monotone and
+//! piecewise linear, and the line search finds its zero.
 
-use super::Goal;
-use crate::condensed::matrix::BodyMatrix;
-use crate::condensed::scaled::{Arms, Scaled};
-use crate::condensed::settings::NewtonSettings;
-use crate::condensed::spring::{Elastic, Response};
+use super::local::Elimination;
+use super::matrix::BodyMatrix;
+use super::scaled::{Arms, Scaled};
+use super::settings::NewtonSettings;
+use super::spring::{Elastic, Response};
 
-/// A point of the iteration, and what follows from its displacements, for interactions with `F`
-/// forces.
+/// Unbalance at which the iteration is done.
+#[derive(Clone, Copy, Debug)]
+pub struct Goal {
+    /// Over the maximum force.
+    pub unbalance: f64,
+    /// Force that counts where all forces are smaller.
+    pub min_force: f64,
+}
+
+pub struct Newton {
+    /// Displacements by body, in the order of elimination.
+    pub u: Vec<[f64; 3]>,
+    /// Forces by interaction.
+    pub s: Vec<[f64; 3]>,
+    /// Number of factorisations.
+    pub iterations: u32,
+    /// Whether the goal was reached.
+    pub converged: bool,
+}
+
+/// Whether every force of the program has a compliance.
+pub fn applies(program: &Scaled) -> bool {
+    program.locals.iter().all(|l| (0..3).all(|f| !l.has[f] || l.compliance[f] > 0.0))
+}
+
+/// Runs the iteration from displacements, with local elimination between its steps or without.
+pub fn iterate<S: Elastic<F>, const F: usize>(
+    program: &Scaled,
+    matrix: &mut BodyMatrix,
+    start: &[[f64; 3]],
+    settings: &NewtonSettings,
+    goal: Goal,
+    mut local: Option<&mut Elimination>,
+) -> Newton {
+    let mut point = Point::<S, F>::new(program, start, goal);
+    let mut step = Step::new(program);
+    let (mut iterations, mut tiny_steps) = (0, 0);
+    let mut damping = settings.damping;
+    loop {
+        point.evaluate();
+        let gives_up =
+            iterations >= settings.max_iterations || tiny_steps >= settings.max_tiny_steps;
+        if !point.gradient.as_flattened().iter().all(|g| g.is_finite())
+            || point.is_done()
+            || gives_up
+        {
+            break;
+        }
+        if local.as_mut().is_some_and(|local| local.move_bodies(&mut point)) {
+            continue;
+        }
+        iterations += 1;
+        if !point.find_step(matrix, damping, &mut step) {
+            break;
+        }
+        damping *= 0.5;
+        step.length = point.search(&step, settings);
+        if let Some(local) = &mut local {
+            local.change_step(&point, &mut step, settings);
+        }
+        tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
+        point.make(&step);
+    }
+    let of = |s: &[f64; F]| std::array::from_fn(|f| if f < F { s[f] } else { 0.0 });
+    let s = point.responses.iter().map(|r| of(&r.s)).collect();
+    let converged = point.is_done();
+    point.u.truncate(program.free.len());
+    Newton { s, u: point.u, iterations, converged }
+}
+
+/// A point of the iteration with what follows from it, for interactions with `F` forces.
 pub struct Point<'a, S, const F: usize> {
     pub program: &'a Scaled,
     springs: Vec<S>,
@@ -15,7 +91,6 @@ pub struct Point<'a, S, const F: usize> {
     responses: Vec<Response<F>>,
     /// Displacements by body, then by image.
     pub u: Vec<[f64; 3]>,
-    /// Kinematics by interaction.
     e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
@@ -25,7 +100,6 @@ pub struct Point<'a, S, const F: usize> {
     unbalance: f64,
 }
 
-/// A step of the iteration.
 pub struct Step<const F: usize> {
     /// Newton step of the displacements by body, then by image.
     pub du: Vec<[f64; 3]>,
@@ -36,14 +110,14 @@ pub struct Step<const F: usize> {
 }
 
 impl<const F: usize> Step<F> {
-    pub(super) fn new(program: &Scaled) -> Self {
+    fn new(program: &Scaled) -> Self {
         let du = vec![[0.0; 3]; program.places()];
         Self { du, de: vec![[0.0; F]; program.locals.len()], length: 0.0 }
     }
 }
 
 impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
-    pub(super) fn new(program: &'a Scaled, start: &[[f64; 3]], goal: Goal) -> Self {
+    fn new(program: &'a Scaled, start: &[[f64; 3]], goal: Goal) -> Self {
         let count = program.locals.len();
         Self {
             program,
@@ -60,7 +134,7 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
     }
 
     /// Computes forces and out-of-balance forces from the displacements.
-    pub(super) fn evaluate(&mut self) {
+    fn evaluate(&mut self) {
         self.program.images.spread(&mut self.u);
         self.program.balance_of_bodies(&self.u, &mut self.gradient);
         let mut force = self.goal.min_force;
@@ -76,22 +150,13 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
         self.unbalance = self.gradient.iter().flatten().map(|g| g.abs()).fold(0.0, f64::max);
     }
 
-    pub(super) fn is_finite(&self) -> bool {
-        self.gradient.iter().flatten().all(|g| g.is_finite())
-    }
-
-    pub(super) fn is_done(&self) -> bool {
+    fn is_done(&self) -> bool {
         self.unbalance <= self.goal.unbalance * self.force
     }
 
     /// Sets the matrix to the Hessian, with damping on its diagonal, and solves for the step; whether
     /// the matrix has a factor.
-    pub(super) fn find_step(
-        &self,
-        matrix: &mut BodyMatrix,
-        damping: f64,
-        step: &mut Step<F>,
-    ) -> bool {
+    fn find_step(&self, matrix: &mut BodyMatrix, damping: f64, step: &mut Step<F>) -> bool {
         let program = self.program;
         matrix.clear();
         let mut values = matrix.assembly();
@@ -102,11 +167,10 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
         for (du, g) in step.du.iter_mut().zip(&self.gradient) {
             *du = g.map(|g| -g);
         }
-        if !matrix.factorise_shifted_and_solve(&mut step.du[..program.free.len()]) {
+        if !matrix.factorise_shifted_and_solve(&mut step.du) {
             return false;
         }
         program.clear_fixed(&mut step.du);
-        program.images.spread(&mut step.du);
         for (de, arms) in step.de.iter_mut().zip(&self.arms) {
             *de = arms.kinematics(&step.du);
         }
@@ -116,8 +180,7 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
     /// The length a at which the derivative of the energy along a step vanishes, to a few per cent of
     /// the derivative at a = 0: a Newton iteration for one number, safeguarded by a bracket.
     ///
-    /// The derivative at a is `du.(M (u + a du) - f) + sum de.s(e + a de)`; it rises with a, and is
-    /// piecewise linear.
+    /// The derivative, `du.(M (u + a du) - f) + sum de.s(e + a de)`, rises and is piecewise linear.
     pub fn search(&self, Step { du, de, .. }: &Step<F>, settings: &NewtonSettings) -> f64 {
         let Self { program, u, .. } = self;
         let both = self.gradient.iter().flatten().zip(du.iter().flatten());
@@ -159,18 +222,12 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
         a
     }
 
-    /// Makes a step.
-    pub(super) fn make(&mut self, step: &Step<F>) {
+    fn make(&mut self, step: &Step<F>) {
         for (u, du) in self.u.iter_mut().zip(&step.du) {
             for k in 0..3 {
                 u[k] += step.length * du[k];
             }
         }
-    }
-
-    pub(super) fn forces(&self) -> Vec<[f64; 3]> {
-        let of = |s: &[f64; F]| std::array::from_fn(|f| if f < F { s[f] } else { 0.0 });
-        self.responses.iter().map(|r| of(&r.s)).collect()
     }
 }
 
@@ -178,10 +235,67 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
 mod tests {
     use glam::DVec2;
 
+    use super::super::samples::{column, contact, held, loaded, posed};
+    use super::super::spring::Spring;
     use super::*;
-    use crate::condensed::samples::{contact, held, loaded, posed};
-    use crate::condensed::spring::Spring;
     use crate::program::ConeProgram;
+
+    const GOAL: Goal = Goal { unbalance: 1e-12, min_force: 0.0 };
+
+    fn solve(program: &ConeProgram) -> (Newton, Vec<usize>) {
+        let (scaled, mut matrix, place) = posed(program);
+        assert!(applies(&scaled));
+        let start = vec![[0.0; 3]; scaled.free.len()];
+        let settings = NewtonSettings::default();
+        let result = iterate::<Spring, 2>(&scaled, &mut matrix, &start, &settings, GOAL, None);
+        (result, place)
+    }
+
+    /// A column is a chain of springs: contact k carries the weight of all bodies above it, and a
+    /// body sinks by the sum of the contacts below it. At the start all contacts just touch.
+    #[test]
+    fn a_column_of_three() {
+        let (result, place) = solve(&column(3, 0.1));
+        for (k, force) in [3.0, 2.0, 1.0].into_iter().enumerate() {
+            assert!((result.s[k][0] - force).abs() < 1e-9, "{:?}", result.s);
+        }
+        for (body, sink) in [(1, 0.3), (2, 0.5), (3, 0.6)] {
+            assert!((result.u[place[body]][1] + sink).abs() < 1e-9, "{:?}", result.u);
+        }
+    }
+
+    /// A disk between two walls at right angles, both at 45 degrees: p = W/sqrt(2) each.
+    #[test]
+    fn a_disk_in_a_groove() {
+        let diagonal = DVec2::new(1.0, 1.0).normalize();
+        let program = ConeProgram {
+            bodies: vec![held(), held(), loaded(0.0, -1.0)],
+            interactions: vec![
+                contact(0, 2, diagonal, 0.1, 0.0),
+                contact(1, 2, DVec2::new(-diagonal.x, diagonal.y), 0.1, 0.0),
+            ],
+            ..ConeProgram::default()
+        };
+        let (result, _) = solve(&program);
+        for s in &result.s {
+            assert!((s[0] - 0.5_f64.sqrt()).abs() < 1e-9, "{s:?}");
+        }
+    }
+
+    /// A disk that is pulled up from the floor below it and down by nothing: no force holds it, and
+    /// the iteration ends without a solution, at a cap.
+    #[test]
+    fn what_nothing_holds_ends_at_a_cap() {
+        let program = ConeProgram {
+            bodies: vec![held(), loaded(0.0, 1.0)],
+            interactions: vec![contact(0, 1, DVec2::Y, 0.1, 0.0)],
+            ..ConeProgram::default()
+        };
+        let (result, _) = solve(&program);
+        let settings = NewtonSettings::default();
+        assert!(result.iterations <= settings.max_iterations);
+        assert_eq!(result.s[0][0], 0.0);
+    }
 
     /// A body with weight 1 at a contact of stiffness 10 moves down by `a du`: the derivative of
     /// the energy vanishes at a depth of 0.1, whatever the length of du.
