@@ -37,7 +37,11 @@ pub(crate) fn lost_by_turning(
     analysis: &ClasticAnalysis,
 ) -> [f64; 2] {
     let AnalysisKind::Dynamic { dt, theta } = analysis.kind else { return [0.0; 2] };
-    let dt = fraction * dt;
+    let (dt, inertia) = (fraction * dt, group.mass_of(2));
+    if !(inertia > 0.0) {
+        // A group of walls has no weight either.
+        return [0.0; 2];
+    }
     let (mut along, mut across) = (0.0, 0.0);
     for i in bodies.particles_of(group) {
         let [x, y, _] = bodies.loads[i].map(|ramp| ramp.at(fraction));
@@ -46,16 +50,17 @@ pub(crate) fn lost_by_turning(
         along += lever.dot(force);
         across += lever.perp_dot(force);
     }
-    // Work along a rotation a: across sin a - along (1 - cos a), for a predicted angle.
-    let angle = 2.0 * (1.0 - theta) * bodies.rates(group.body as usize)[2] * dt;
+    // The work along a rotation a is `across sin a - along (1 - cos a)`. The angle is predicted with
+    // the acceleration: without it the pendulum would still gain energy, of third order.
+    let rate = bodies.rates(group.body as usize)[2] + 0.5 * dt * across / inertia;
+    let angle = 2.0 * (1.0 - theta) * rate * dt;
     let (sine, cosine) = if angle.abs() > 1e-4 {
         (angle.sin() / angle, (1.0 - angle.cos()) / angle.powi(2))
     } else {
         (1.0, 0.5)
     };
-    let inertia = group.mass_of(2) / (theta * dt * dt);
     let stiffness = 2.0 * (1.0 - theta) * along * cosine;
-    [across * (1.0 - sine), stiffness.max(-0.5 * inertia)]
+    [across * (1.0 - sine), stiffness.max(-0.5 * inertia / (theta * dt * dt))]
 }
 
 impl Rows<'_> {

@@ -28,7 +28,7 @@ pub mod scaled;
 pub mod settings;
 pub mod sleeping;
 mod spring;
-pub(crate) mod sweeps;
+pub mod sweeps;
 
 use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 

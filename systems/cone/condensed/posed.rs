@@ -10,7 +10,7 @@ use super::parallel::in_pool;
 use super::scaled::{Scaled, forces_in_units};
 use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
 use crate::certificate::{certificate, locks, proves};
-use crate::program::{Certificate, ConeProgram, ConeSolution, SolveStatus};
+use crate::program::{Certificate, ConeProgram, ConeSolution, Residuals, SolveStatus};
 use crate::residuals::{MAX_BALANCE, settle};
 
 /// Requirements on a solution.
@@ -159,6 +159,10 @@ impl<'a> Posed<'a> {
                 found.status = SolveStatus::Collapsed;
             }
             End::Locked => found.status = SolveStatus::Locked,
+        }
+        // What is proved is not judged by residuals.
+        if matches!(end, End::Collapsed | End::Locked) {
+            found.residuals = Residuals::default();
         }
         found
     }
