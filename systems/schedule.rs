@@ -43,7 +43,7 @@ pub struct ControlWalls;
 
 /// Collects loads of an embedding program. It runs once per trial: for every tried fraction of an
 /// increment and after every step of a followed motion. Its systems add to
-/// [`TrialLoads`](clastic_components::loads::TrialLoads). They may read the initial state of the
+/// [`TrialLoads`]. They may read the initial state of the
 /// trial from [`BodyTable`](clastic_components::contact::BodyTable), while entities keep the last
 /// committed state. The trial ends at `done + fraction` of
 /// [`ClasticProgress`].

@@ -261,7 +261,7 @@ impl StressTables<'_, '_> {
     }
 }
 
-/// The error of a stress of the last increment that [`Acceptance::residual`] allows, Pa.
+/// The error of a stress of the last increment that the tolerance of its solution allows, Pa.
 ///
 /// Residuals are relative to the maximum force F and the maximum displacement U. The error of a
 /// force is at most `residual F`. The error of a gap is at most `residual U`, which an elastic
