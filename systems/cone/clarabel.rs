@@ -115,6 +115,7 @@ impl ConeSolver for Clarabel {
     }
 }
 
+/// The collapse of a degree of freedom with a load and without interactions.
 fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize) -> ConeSolution {
     let mut mechanism = vec![[0.0; 3]; program.bodies.len()];
     if let Dof::Free(free) = &program.bodies[body].dofs[dof] {
@@ -282,6 +283,7 @@ impl Lowered {
         }
     }
 
+    /// The displacements that belong to multipliers.
     pub(super) fn displacements(&self, program: &ConeProgram, z: &[f64]) -> Vec<[f64; 3]> {
         let (du, _) = program.scales.units();
         let mut out = program.imposed();
@@ -295,6 +297,7 @@ impl Lowered {
         out
     }
 
+    /// The forces that belong to variables.
     pub(super) fn forces(&self, program: &ConeProgram, x: &[f64]) -> Vec<[f64; 3]> {
         let (_, df) = program.scales.units();
         let of = |(c, &first): (&Interaction, &usize)| {

@@ -112,6 +112,7 @@ struct Numbered {
     body: ProgramBody,
 }
 
+/// The description of a program.
 fn format(program: &ConeProgram) -> String {
     let mut text = FORMAT.to_owned();
     if program.cell.is_some() {

@@ -1,4 +1,5 @@
-//! Polish of a solution: guess the active limits, solve linear equations, correct the guess.
+//! Polish of an interior-point solution: guess the active limits, solve the linear equations that
+//! remain, correct the guess.
 //!
 //! At an interior point the *product* of slack and multiplier is small. Where both are small (a
 //! force that just reaches its limit) each is accurate to the square root of the product only. With
@@ -24,20 +25,28 @@ use crate::program::{ConeProgram, ConeSolution};
 /// Defect that no refinement can lower: round-off of rows whose entries are of the order of 1.
 const ROUND_OFF: f64 = 1e-15;
 
-/// Settings of the polish. Residuals are those of the program. Decision 001 has the evidence.
+/// Settings of the polish. Residuals are those of the program, without dimension.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolishSettings {
-    /// Maximum number of guesses of the active limits: a cap, since the guess settles earlier.
+    /// Maximum number of guesses of the active limits.
+    ///
+    /// 8: a cap. Inert in decision 001, where the guess settles earlier.
     pub max_passes: usize,
     /// Residual at which polishing ends. A polished solution within it replaces any solution without
     /// polish, even one with a smaller residual: slack and multiplier of a limit that is just reached
     /// are accurate to the square root of the residual only.
+    ///
+    /// 1e-11: decision 001.
     pub residual: f64,
-    /// Regularisation on the diagonal of the factorised matrix, in scaled units: about the root of
-    /// the round-off, so that the factor exists and the refinement converges.
+    /// Regularisation on the diagonal of the factorised matrix, in scaled units.
+    ///
+    /// 1e-8: about the root of the round-off, so that the factor exists and the refinement
+    /// converges. Decision 001.
     pub regularisation: f64,
     /// Ratio of the defects of two refinements above which the refinement ends.
+    ///
+    /// 0.9: decision 001.
     pub progress: f64,
 }
 
@@ -47,7 +56,7 @@ impl Default for PolishSettings {
     }
 }
 
-/// The variables x and the multipliers z of the rows.
+/// A primal and dual point: the variables x and the multipliers of the rows.
 #[derive(Clone)]
 pub(super) struct Point {
     pub(super) x: Vec<f64>,
@@ -93,6 +102,7 @@ pub(super) fn polish(
 }
 
 impl Lowered {
+    /// Slacks `b - A x`.
     fn slacks(&self, x: &[f64]) -> Vec<f64> {
         let mut s = self.right.clone();
         for (row, column, value) in entries(&self.matrix) {

@@ -30,7 +30,8 @@ pub trait ConeSolver: Send + Sync {
         tolerance: f64,
     ) -> Result<ConeSolution, MalformedProgram>;
 
-    /// Whether the first point within the tolerance suffices for a program; by default not.
+    /// Whether the first point within the tolerance suffices as the solution of a program. By
+    /// default it does not.
     fn first_point_suffices(&self, _program: &ConeProgram, _tolerance: f64) -> bool {
         false
     }

@@ -526,7 +526,6 @@ fn motions_are_followed_with_a_group_in_the_specimen() {
 /// In a drum that turns the moment on the axis is on average that of the weight of the grains, and
 /// the drum carries their weight, to within the change of their momenta.
 #[test]
-#[ignore = "half a minute"]
 fn a_drum_carries_the_moment_of_its_grains() {
     let mut simulation = Simulation::new(&load("rotating_drum_small"), None);
     let (mut on_drum, mut of_weight, mut force, mut weight, mut count) = (0.0, 0.0, 0.0, 0.0, 0.0);

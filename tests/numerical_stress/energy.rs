@@ -1,7 +1,7 @@
 //! The energy ledger closes: static and dynamic, elastic and rigid, and against analytic answers.
 
 use clastic::components::energy::{Energies, EnergyLedger};
-use clastic::components::increment::{self, AnalysisKind};
+use clastic::components::increment::{self, Acceptance, AnalysisKind};
 use clastic::components::observation::Observation;
 use clastic::cone::program::{ConeProgram, ConeSolution};
 use clastic::cone::residuals::{displacement_scale, force_scale};
@@ -32,7 +32,7 @@ pub fn accepted_error(simulation: &Simulation) -> f64 {
     let kinetic = record.kinetic_energy;
     let e = world.resource::<EnergyLedger>();
     // A capped increment reports its residual.
-    let residual = solution.tolerance.max(record.residuals.worst());
+    let residual = world.resource::<Acceptance>().residual.max(record.residuals.worst());
     // The last term: round-off of fast bodies whose speed hardly changes.
     residual * rows as f64 * force * motion
         + 1e-12 * (e.increment.throughput() + e.stored.unwrap_or_default())

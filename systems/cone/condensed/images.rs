@@ -1,15 +1,17 @@
 //! Images of bodies in a periodic cell.
 //!
 //! An interaction with the image of a body has three participants: body a, body b and the cell. Its
-//! rows here are those of a and of the image, as if the image were a body, with a place after all
-//! bodies. [`Images::spread`] computes their displacements from those of their bodies and of the
-//! cell, and [`Images::fold`] moves the forces on them to bodies and cell. Passes over interactions
-//! need not know the cell. Only the matrix has the three participants ([`Images::rows`]).
+//! rows here are those of a and of the image, as if the image were a body. Images have the places
+//! after all bodies. [`Images::spread`] computes their displacements from those of their bodies and
+//! of the cell, and [`Images::fold`] moves the forces on them to bodies and cell. Passes over
+//! interactions therefore need not know the cell. Only the matrix has the three participants
+//! ([`Images::rows`]).
 
 use glam::DVec2;
 
 use crate::program::{ConeProgram, ProgramCell};
 
+/// The image of a body.
 #[derive(Clone, Copy, Debug)]
 struct Image {
     /// Place of its body, and the free degrees of freedom there.
@@ -47,7 +49,8 @@ pub fn pairs(program: &ConeProgram) -> impl Iterator<Item = (u32, u32)> + Clone 
 }
 
 impl Images {
-    /// The images of a program whose bodies have these places and free degrees of freedom.
+    /// The images of a program whose bodies have these places; `free` are the free degrees of
+    /// freedom by place.
     pub fn of(program: &ConeProgram, place: &[usize], free: &[[bool; 3]]) -> Self {
         let Some(law) = program.cell else { return Self::default() };
         let (mut list, mut of_interaction) = (Vec::new(), Vec::new());
@@ -59,7 +62,8 @@ impl Images {
             list.push(Image { of, free: free[of], shift: c.image });
         }
         let cell = place[law.body as usize];
-        // The arm is a length per rotation: in units of the scales a length over a length.
+        // The arm is a rotation times a length: in units of the scales it is a length over a
+        // length.
         let law = ProgramCell { arm: law.arm / program.scales.length, ..law };
         Self {
             of_cell: free[cell],
@@ -72,15 +76,18 @@ impl Images {
         }
     }
 
+    /// Number of images.
     pub fn count(&self) -> usize {
         self.list.len()
     }
 
+    /// Whether this is the place of the cell.
     pub fn is_cell(&self, place: usize) -> bool {
         self.bodies > 0 && place == self.cell
     }
 
-    /// The image in an interaction, and the first of the two pairs of its bodies with the cell.
+    /// The image that takes part in an interaction, and the first of the two pairs that its bodies
+    /// make with the cell.
     #[inline]
     pub fn at(&self, interaction: usize) -> Option<(usize, usize)> {
         let k = *self.of_interaction.get(interaction)?;
@@ -153,7 +160,8 @@ impl Images {
         place.checked_sub(self.bodies).filter(|k| *k < self.list.len())
     }
 
-    /// The kinematics of image `k` with these rows by known or unknown displacements of the cell.
+    /// The kinematics that the known or the unknown displacements of the cell give image `k` with
+    /// these rows.
     pub fn kinematics_by_cell(
         &self,
         k: usize,

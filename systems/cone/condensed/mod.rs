@@ -58,6 +58,7 @@ pub struct Condensed {
 
 impl Condensed {
     /// A solver with these settings.
+    #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
         Self { settings, ..Self::default() }
     }

@@ -22,6 +22,7 @@ pub struct Goal {
     pub min_force: f64,
 }
 
+/// Result of the iteration.
 pub struct Newton {
     /// Displacements by body, in the order of elimination.
     pub u: Vec<[f64; 3]>,
@@ -38,7 +39,8 @@ pub fn applies(program: &Scaled) -> bool {
     program.locals.iter().all(|l| (0..3).all(|f| !l.has[f] || l.compliance[f] > 0.0))
 }
 
-/// Runs the iteration from displacements, with local elimination between its steps or without.
+/// Runs the iteration from the displacements `start`, with local elimination between its steps or
+/// without.
 pub fn iterate<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     matrix: &mut BodyMatrix,
@@ -83,7 +85,8 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
     Newton { s, u: point.u, iterations, converged }
 }
 
-/// A point of the iteration with what follows from it, for interactions with `F` forces.
+/// A point of the iteration, and what follows from its displacements, for interactions with `F`
+/// forces.
 pub struct Point<'a, S, const F: usize> {
     pub program: &'a Scaled,
     springs: Vec<S>,
@@ -91,6 +94,7 @@ pub struct Point<'a, S, const F: usize> {
     responses: Vec<Response<F>>,
     /// Displacements by body, then by image.
     pub u: Vec<[f64; 3]>,
+    /// Kinematics by interaction.
     e: Vec<[f64; F]>,
     /// Out-of-balance forces by body, zero for images: the gradient of the energy.
     pub gradient: Vec<[f64; 3]>,
@@ -100,6 +104,7 @@ pub struct Point<'a, S, const F: usize> {
     unbalance: f64,
 }
 
+/// A step of the iteration.
 pub struct Step<const F: usize> {
     /// Newton step of the displacements by body, then by image.
     pub du: Vec<[f64; 3]>,
@@ -180,7 +185,8 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
     /// The length a at which the derivative of the energy along a step vanishes, to a few per cent of
     /// the derivative at a = 0: a Newton iteration for one number, safeguarded by a bracket.
     ///
-    /// The derivative, `du.(M (u + a du) - f) + sum de.s(e + a de)`, rises and is piecewise linear.
+    /// The derivative at a is `du.(M (u + a du) - f) + sum de.s(e + a de)`; it rises with a, and is
+    /// piecewise linear.
     pub fn search(&self, Step { du, de, .. }: &Step<F>, settings: &NewtonSettings) -> f64 {
         let Self { program, u, .. } = self;
         let both = self.gradient.iter().flatten().zip(du.iter().flatten());

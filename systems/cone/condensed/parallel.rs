@@ -7,6 +7,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
+/// Whether the pool has one thread.
 pub fn is_alone() -> bool {
     rayon::current_num_threads() == 1
 }
@@ -24,7 +25,8 @@ pub fn in_parallel<T: Send, R: Send>(
     }
 }
 
-/// Calls `f` on a thread of the pool, which hands out work more quickly, if `worth` it.
+/// Calls `f` on a thread of the pool if `worth` it: a thread of the pool hands out work more
+/// quickly.
 pub fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
     if worth && !is_alone() { rayon::scope(|_| f()) } else { f() }
 }
@@ -74,6 +76,7 @@ impl Memory {
         vec![0.0; len]
     }
 
+    /// Takes numbers back.
     pub fn give(&self, numbers: Vec<f64>) {
         if !numbers.is_empty() {
             self.free().push(numbers);

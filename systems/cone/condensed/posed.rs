@@ -16,11 +16,14 @@ use crate::residuals::{MAX_BALANCE, settle};
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Demand {
+    /// Maximum residual.
     pub tolerance: f64,
-    /// Whether the tolerance is looser than that of increments by default: limits are not decided,
-    /// and dynamic programs end with the first point within it. This saves an eighth of the
-    /// iterations; in statics it threw grains in 129 of 169 increments (decision 006).
+    /// Whether the tolerance is looser than that of increments by default: active limits are not
+    /// decided, and dynamic programs end with the first point within the tolerance. This saves an
+    /// eighth of the iterations in dynamics; in statics it threw grains in 129 of 169 increments
+    /// (decision 006).
     pub loose: bool,
+    /// Whether the program is large.
     pub large: bool,
     /// Whether the first point within the tolerance suffices. It does not suffice in statics, where
     /// grains without load drift further the less exact the solution is. With a tight tolerance it
@@ -63,6 +66,7 @@ pub struct Posed<'a> {
 }
 
 impl<'a> Posed<'a> {
+    /// The program posed for a matrix that has its pattern.
     pub fn new(
         program: &'a ConeProgram,
         settings: &'a CondensedSettings,
@@ -80,7 +84,8 @@ impl<'a> Posed<'a> {
         Self { settings, is_shared, matrix, demand, units, iterations: 0, scaled }
     }
 
-    /// Displacements as a start, in units and order of the matrix; zero if too far.
+    /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
+    /// far.
     pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let Units { program, order, .. } = &self.units;
         let (du, _) = program.scales.units();

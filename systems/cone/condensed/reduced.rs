@@ -12,6 +12,7 @@ use super::spring::{Elastic, RollingSpring};
 
 /// The reduced program, with the places of its bodies and interactions in the whole one.
 pub struct Reduced {
+    /// The reduced program.
     pub program: ConeProgram,
     /// Its bodies, by their number in the whole program.
     pub bodies: Vec<usize>,

@@ -66,6 +66,7 @@ impl LinearResponse {
     }
 }
 
+/// Stiffness of an interaction that carries a force.
 fn stiffness(
     program: &ConeProgram,
     solution: &ConeSolution,

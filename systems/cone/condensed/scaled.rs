@@ -10,10 +10,12 @@ use crate::program::{ConeProgram, Dof, Interaction, ProgramBody, Scales};
 use super::images::Images;
 use super::matrix::places;
 
-/// Maximum number of limits of an interaction: two of shear and two of rolling.
+/// Maximum number of limits of an interaction: two of shear and two of rolling, which imply that of
+/// tension.
 pub const ROWS: usize = 4;
 
-/// Forces and limits of an interaction. The inner loops of the solver are compiled for each.
+/// The forces and limits of an interaction. The inner loops of the solver are compiled for each
+/// kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// p alone, with the limit of tension.
@@ -39,12 +41,14 @@ pub struct Arms<const F: usize> {
 
 impl<const F: usize> Arms<F> {
     /// Those of the first forces of an interaction.
+    #[must_use]
     pub fn of(local: &Local) -> Self {
         let Arms { bodies, rows } = local.arms;
         Self { bodies, rows: rows.map(|rows| rows.map(|row| first(&row))) }
     }
 
     /// Kinematics `e = G'u`, without the part of fixed degrees of freedom.
+    #[must_use]
     #[inline]
     pub fn kinematics(&self, u: &[[f64; 3]]) -> [f64; F] {
         let mut e = [0.0; F];
@@ -65,7 +69,8 @@ impl<const F: usize> Arms<F> {
         self.add_forces_from(0, s, sign, out);
     }
 
-    /// As [`add_forces`](Self::add_forces), to rows that begin with those of the body `first`.
+    /// As [`add_forces`](Self::add_forces), to rows that begin with those of the body at the place
+    /// `first`.
     #[inline]
     pub fn add_forces_from(&self, first: u32, s: &[f64; F], sign: f64, out: &mut [[f64; 3]]) {
         for (rows, body) in self.rows.iter().zip(self.bodies) {
@@ -99,14 +104,15 @@ pub struct Local {
     pub compliance: [f64; 3],
     /// Linear terms, less the kinematics of the fixed degrees of freedom.
     pub linear: [f64; 3],
-    /// mu and m of the limits `|q| <= c + mu p`, `|tau| <= m_0 + m p`; 0 without the force.
+    /// Slopes of the limits `|q| <= c + mu p` and `|tau| <= m_0 + m p`: mu and m, 0 without the force.
     pub slopes: [f64; 2],
     /// f_t, c and m_0.
     pub strengths: [f64; 3],
 }
 
 impl Local {
-    /// An interaction from the rows of its bodies and the kinematics of known motions.
+    /// An interaction from the rows of its bodies and the kinematics of their fixed degrees of
+    /// freedom.
     fn new(scales: &Scales, c: &Interaction, arms: Arms<3>, fixed: [f64; 3]) -> Self {
         let (du, df) = scales.units();
         let stiffness = scales.force / scales.displacement;
@@ -144,7 +150,8 @@ impl Local {
         }
     }
 
-    /// Slope and strength of its limits: two of shear, two of rolling, tension if not implied.
+    /// Slope and strength of its limits: two of shear, two of rolling, that of tension where the others
+    /// do not imply it.
     pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
         let ([f_t, c, m_0], [mu, m]) = (self.strengths, self.slopes);
         let [_, shear, rolling] = self.has.map(|has| if has { 2 } else { 0 });
@@ -192,7 +199,9 @@ pub fn forces_in_units(program: &ConeProgram, forces: &[[f64; 3]]) -> Vec<[f64; 
 }
 
 impl Scaled {
-    /// Scales a program. Body k is `order[k]` of the program.
+    /// Scales a program. Its bodies come in this `order`: here, body k is `order[k]` of the
+    /// program.
+    #[must_use]
     pub fn new(program: &ConeProgram, order: &[usize]) -> Self {
         let mut out = Self::default();
         let place = places(order);
@@ -210,10 +219,12 @@ impl Scaled {
     }
 
     /// Scales a program in its own order.
+    #[must_use]
     pub fn natural(program: &ConeProgram) -> Self {
         Self::new(program, &(0..program.bodies.len()).collect::<Vec<_>>())
     }
 
+    /// Adds a body.
     fn add_body(&mut self, scales: &Scales, body: &ProgramBody) {
         let (du, df) = scales.units();
         let (mut free, mut weight, mut right, mut known) =
@@ -234,7 +245,8 @@ impl Scaled {
         self.known.push(known);
     }
 
-    /// The bodies of an interaction with their rows, and the kinematics of known motions.
+    /// The bodies of an interaction with their rows, and the kinematics of the fixed degrees of
+    /// freedom.
     fn arms(
         &self,
         program: &ConeProgram,
@@ -276,6 +288,7 @@ impl Scaled {
 
     /// The displacements `u` of free degrees of freedom and the known ones of all others; those of
     /// the images come after them.
+    #[must_use]
     pub fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let of = |i: usize, k: usize| if self.free[i][k] { u[i][k] } else { self.known[i][k] };
         let mut out: Vec<_> = (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect();
@@ -284,17 +297,21 @@ impl Scaled {
     }
 
     /// Number of bodies and images.
+    #[must_use]
     pub fn places(&self) -> usize {
         self.free.len() + self.images.count()
     }
 
     /// The bodies of an interaction, whether or not the second takes part as an image.
+    #[must_use]
     pub fn pair(&self, local: &Local) -> [usize; 2] {
         let [a, b] = local.arms.bodies;
         [a as usize, self.images.body(b as usize)]
     }
 
-    /// What remains of an interaction, between two bodies, if the cell is held at `u`.
+    /// The interaction between two bodies that remains of one with an image if the cell is held at
+    /// the displacements `u`.
+    #[must_use]
     pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
         let mut out = local.clone();
         let Arms { bodies, rows } = &mut out.arms;
@@ -331,7 +348,8 @@ impl Scaled {
         }
     }
 
-    /// Sets `out` to `m u - f` where free: the balance without the forces of the interactions.
+    /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
+    /// interactions.
     pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
         out[self.free.len()..].fill([0.0; 3]);
         for (i, out) in out[..self.free.len()].iter_mut().enumerate() {

@@ -22,10 +22,13 @@ pub struct Spring {
     stiffness: [f64; 2],
     /// Kinematics at which there is no force.
     linear: [f64; 2],
+    /// Coefficient of friction.
     friction: f64,
+    /// Cohesion.
     cohesion: f64,
     /// Tensile strength; infinite where the limits of the shear force imply it.
     tension: f64,
+    /// Whether there is a shear force.
     shears: bool,
 }
 
@@ -62,6 +65,7 @@ impl<const F: usize> Response<F> {
 
 /// An interaction whose `F` forces all have a compliance.
 pub trait Elastic<const F: usize>: Copy + Send + Sync {
+    /// The spring of such an interaction.
     fn new(l: &Local) -> Self;
 
     /// Projection of the elastic trial at these kinematics onto the limits.
@@ -139,6 +143,7 @@ impl Spring {
 /// The limit of q or of tau.
 #[derive(Clone, Copy, Debug)]
 struct Limit {
+    /// Whether the force exists.
     exists: bool,
     strength: f64,
     slope: f64,
@@ -151,6 +156,7 @@ pub struct RollingSpring {
     stiffness: [f64; 3],
     /// Kinematics at which there is no force.
     linear: [f64; 3],
+    /// Limits of q and tau.
     limits: [Limit; 2],
     /// Minimum of p: minus the tensile strength, or the apex of a limit.
     lowest: f64,

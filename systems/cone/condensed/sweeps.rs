@@ -1,8 +1,9 @@
 //! Sweeps over the contacts, from the forces of the last increment: a solution where they converge
 //! fast, elsewhere a start for the interior point.
 //!
-//! Where every degree of freedom has a weight the displacements follow from the forces, `u = M^-1
-//! (f - G s)`, and forces are left as the only unknowns. Under the associated law they minimise
+//! Where every degree of freedom has a weight the displacements follow from the forces,
+//! `u = M^-1 (f - G s)`, and forces are left as the only unknowns. Under the associated law they
+//! minimise
 //!
 //! ```text
 //! J(s) = 1/2 u'M u + 1/2 s'C s + l's   over   p >= 0, |q| <= mu p, |tau| <= m p
@@ -67,7 +68,8 @@ pub fn sweep(program: &ConeProgram, law: SlidingLaw, tolerance: f64) -> ConeSolu
     }
 }
 
-/// Forces and displacements between two sweeps, in units; displacements times roots of weights.
+/// Forces and displacements between two sweeps, in units of the scales, displacements times the
+/// roots of the weights.
 struct Sweeps<const F: usize> {
     law: SlidingLaw,
     contacts: Vec<Contact<F>>,
@@ -164,7 +166,8 @@ impl<const F: usize> Sweeps<F> {
         }
     }
 
-    /// The point in SI units. Displacements follow from the forces: updates accumulate round-off.
+    /// The point in SI units. Displacements follow from the forces: the updates of sweeps accumulate
+    /// round-off.
     fn solution(&self, program: &ConeProgram, tolerance: f64) -> ConeSolution {
         let (_, df) = program.scales.units();
         let in_si =
@@ -206,7 +209,8 @@ impl<const F: usize> Contact<F> {
         }
     }
 
-    /// Forces brought within the limits, p first: the solution of Coulomb's law in the metric of D.
+    /// Forces brought within the limits, the normal force first: the solution of Coulomb's law in
+    /// the metric of D.
     fn within(&self, s: &[f64]) -> [f64; F] {
         let p = s[0].max(0.0);
         std::array::from_fn(|f| if f == 0 { p } else { clamped(s[f], self.slopes[f] * p) })

@@ -15,6 +15,7 @@ use super::system::{System, Vector};
 /// tau at which the end of the path is reached to round-off.
 const MIN_TAU: f64 = 1e-14;
 
+/// The start of the last predictor.
 struct Saved {
     z: Vector,
     tangent: Vector,

@@ -8,7 +8,8 @@ use super::super::condensed::scaled::{Arms, Local};
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
 pub const LIMITS: usize = 5;
 
-/// The law of an interaction in units of the scales. With a its dilation under Coulomb's law,
+/// The law of an interaction in units of the scales. With a its dilation under Coulomb's
+/// law,
 ///
 /// ```text
 /// g + C_n p - e_n - lambda_n - a (mu (lambda_+ + lambda_-) + m (kappa_+ + kappa_-)) = 0
@@ -54,6 +55,7 @@ pub struct Linear {
 }
 
 impl Cell {
+    /// The law of an interaction.
     pub fn new(local: &Local, c: &Interaction) -> Self {
         let [_, shear, rolling] = local.has;
         Self {
@@ -134,7 +136,8 @@ impl Cell {
         r
     }
 
-    /// Derivative of the forces by the kinematics, slacks and multipliers eliminated.
+    /// Derivative of the forces by the kinematics at a point, with slacks and multipliers
+    /// eliminated.
     #[inline]
     pub fn linearise(&self, x: &Entry) -> Linear {
         let mut theta = [0.0; LIMITS];
@@ -169,7 +172,8 @@ impl Cell {
         Linear { stiffness, theta }
     }
 
-    /// Steps of the multipliers at constant forces, and kinematics that the residual stands for.
+    /// Steps of the multipliers if the forces do not change, and the kinematics that would cause
+    /// the residual's forces.
     #[inline]
     fn asked(&self, x: &Entry, r: &Entry) -> ([f64; LIMITS], [f64; 3]) {
         let mut h = [0.0; LIMITS];
@@ -187,7 +191,8 @@ impl Cell {
         times(&linear.stiffness, &self.asked(x, r).1)
     }
 
-    /// The step that cancels the residual, for steps `e` of the kinematics.
+    /// Steps of forces, slacks and multipliers that cancel the residual, for steps `e` of the
+    /// kinematics.
     #[inline]
     pub fn step(&self, linear: &Linear, x: &Entry, r: &Entry, e: &[f64; 3]) -> Entry {
         let (h, asked) = self.asked(x, r);
@@ -202,6 +207,7 @@ impl Cell {
     }
 }
 
+/// A matrix times a vector.
 #[inline]
 pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
     t.map(|row| row[0] * e[0] + row[1] * e[1] + row[2] * e[2])

@@ -1,4 +1,5 @@
-//! The interior-point iteration on the complementarity system (Mehrotra 1992).
+//! The interior-point iteration on the complementarity system, with the predictor and corrector of
+//! Mehrotra (1992).
 
 use super::Trial;
 use super::settings::CoulombInteriorSettings;
@@ -59,7 +60,8 @@ pub fn iterate(
     }
 }
 
-/// Length of a step at which the first slack or multiplier vanishes; NaN if the step has NaN.
+/// The length of a step at which the first slack or multiplier vanishes; NaN if a number of the
+/// step is NaN.
 pub fn boundary(system: &System, z: &Vector, step: &Vector) -> f64 {
     let mut length = f64::INFINITY;
     for (x, d) in system.along(z, step).flatten() {

@@ -32,17 +32,20 @@ use super::residuals::{MIN_FORCE, applied_force, choose_displacements, natural_m
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
     tolerance: f64,
+    /// Whether the first point within the tolerance suffices.
     at_once: bool,
 }
 
 impl Goal {
     /// A residual within the tolerance, from where the iteration goes on while it gains much: a
     /// product within the tolerance leaves its square root in the forces.
+    #[must_use]
     pub fn exact(tolerance: f64) -> Self {
         Self { tolerance, at_once: false }
     }
 
     /// The first point with a residual within the tolerance.
+    #[must_use]
     pub fn enough(tolerance: f64) -> Self {
         Self { tolerance, at_once: true }
     }
@@ -57,15 +60,18 @@ pub struct Coulomb {
 
 impl Coulomb {
     /// A solver with these settings.
+    #[must_use]
     pub fn new(settings: CoulombSettings) -> Self {
         Self { settings, ..Self::default() }
     }
 
-    /// A time step in which grains slide after [sweeps](sweeps::sweep) from the last forces.
+    /// A time step in which grains slide after [sweeps](sweeps::sweep) of Coulomb's law from the last
+    /// forces.
     ///
     /// `None` where sweeps do not apply, where bodies sleep, which the associated solver leaves out,
     /// and where nothing slides: both laws then have the same solution, and the associated one is the
     /// more exact. `moved` are the displacements of the last solution, m and rad.
+    #[must_use]
     pub fn sweep(
         program: &ConeProgram,
         moved: &[[f64; 3]],
@@ -148,6 +154,7 @@ pub struct Trial<'a> {
     settings: &'a CoulombSettings,
     goal: Goal,
     best: ConeSolution,
+    /// Its residual.
     worst: f64,
     /// Residuals of the last two points, oldest first.
     residuals: [f64; 2],

@@ -1,4 +1,5 @@
-//! The complementarity system, its residual, and linear solves with its derivative.
+//! The complementarity system of all interactions and bodies, its residual, and linear solves with
+//! its derivative.
 
 use crate::program::ConeProgram;
 
@@ -8,7 +9,8 @@ use super::super::condensed::scaled::Scaled;
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
 
-/// A point, a step, or a residual: displacements (or the balance) by place, and interactions.
+/// A point, a step, or a residual: displacements (in a residual the balance) by place, and the
+/// interactions.
 #[derive(Clone, Debug, Default)]
 pub struct Vector {
     pub u: Vec<[f64; 3]>,
@@ -46,7 +48,9 @@ pub struct System<'a> {
     /// Bodies in the order of elimination.
     pub order: Vec<usize>,
     pub matrix: &'a mut UnsymmetricMatrix,
+    /// Number of limits.
     pub limits: f64,
+    /// Factorisations so far.
     pub factorisations: u32,
     linear: Vec<Linear>,
     /// Usual compliances of every interaction, by which a regularisation is multiplied.

@@ -11,8 +11,9 @@
 //! ```
 //!
 //! Two errors are left: a negative `lambda_T` (kinematics), and a multiplier of a limit with slack
-//! (complementarity; kinematics if the slack exceeds the maximum force). At an apex of the shear
-//! limit above the tension limit (`c A < mu f_t`) both shear rows are active and share `lambda_T`.
+//! (complementarity; kinematics if the slack exceeds the maximum force). If the apex of the shear
+//! limit is above the tension limit (`c A < mu f_t`), both shear rows are active there and share
+//! `lambda_T`.
 
 mod units;
 
@@ -22,7 +23,8 @@ use crate::program::{
     ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw, SolveStatus,
 };
 
-/// Multipliers of the limits of an interaction, m, m, rad; slip and rotation are signed.
+/// Multipliers of the limits of one interaction, m, m, rad: tension, slip (signed), rotation
+/// (signed).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Multipliers {
     /// `lambda_T` of `p >= -f_t`.
@@ -33,7 +35,9 @@ pub struct Multipliers {
     pub rotation: f64,
 }
 
-/// The multipliers under a law, from the kinematics `e` and the forces `f` of an interaction.
+/// The multipliers under a law that follow from the kinematics `e` and the forces `f` of an
+/// interaction.
+#[must_use]
 pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
     let slip = if l.has_shear() {
@@ -52,12 +56,16 @@ pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3
     Multipliers { tension, slip, rotation }
 }
 
-/// The residuals of a solution. The force of a regularisation is an error of the balance.
+/// The four residuals of a solution. The force of a regularisation counts as an error of the
+/// balance.
+#[must_use]
 pub fn residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 0.0)
 }
 
-/// As [`residuals`], with the force of a regularisation as part of the balance.
+/// The residuals of the program that the solver was given: the force of a regularisation is part of
+/// the balance.
+#[must_use]
 pub fn regularised_residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 1.0)
 }
@@ -134,6 +142,7 @@ fn each(
 /// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
 /// balance, else the two bodies of an interaction. `None` for a solution without forces and
 /// displacements.
+#[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
     let ConeSolution { forces, displacements, .. } = solution;
     if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
@@ -158,6 +167,7 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
 /// ```
 ///
 /// Unlike a product of force and gap it is not small where both are small and neither vanishes.
+#[must_use]
 pub fn natural_map(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);
@@ -206,6 +216,7 @@ impl<'a> Carrying<'a> {
     /// In statics an interaction carries a force above 1e-9 of the maximum force. In dynamics a
     /// solution may have products up to the tolerance, and the force must also exceed the gap, each
     /// over its maximum.
+    #[must_use]
     pub fn new(program: &'a ConeProgram, solution: &'a ConeSolution) -> Self {
         let force = force_scale(program, &solution.forces);
         let dynamic = program.is_dynamic();
@@ -217,6 +228,7 @@ impl<'a> Carrying<'a> {
     }
 
     /// Whether interaction `k` carries a normal force.
+    #[must_use]
     pub fn is_carrying(&self, k: usize) -> bool {
         let (c, f) = (&self.program.interactions[k], &self.solution.forces[k]);
         let p = f[0].abs();

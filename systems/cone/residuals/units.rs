@@ -19,6 +19,7 @@ pub(crate) const MIN_FORCE: f64 = 1e-2;
 ///
 /// Contact forces count if they act on a free degree of freedom. Between a rigid wall and a disk
 /// that is held against it any force is a solution, and relative to 1e24 N no error would show.
+#[must_use]
 pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
     let felt = |body: u32, direction: DVec2, normal_arm: f64| {
         let body = &program.bodies[body as usize];
@@ -46,6 +47,7 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
     contact.min(MAX_FORCE * expected).max(applied).max(MIN_FORCE * program.scales.force)
 }
 
+/// Maximum applied force, N.
 pub(crate) fn applied_force(program: &ConeProgram) -> f64 {
     let translations = program.bodies.iter().flat_map(|b| b.free().filter(|(k, _)| *k < 2));
     translations.map(|(_, free)| (free.load - free.momentum).abs()).fold(0.0, f64::max)
@@ -53,6 +55,7 @@ pub(crate) fn applied_force(program: &ConeProgram) -> f64 {
 
 /// Maximum displacement, m, between 1e-6 and 1 mean radii: relative to a body that a solver throws
 /// far away every error of the other bodies would look small.
+#[must_use]
 pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> f64 {
     let length = program.scales.length;
     displacements.iter().map(|u| u[0].hypot(u[1])).fold(1e-6 * length, f64::max).min(length)
@@ -77,6 +80,7 @@ fn free_displacement(program: &ConeProgram) -> f64 {
     if minimum.is_finite() { minimum } else { 0.0 }
 }
 
+/// The units that residuals are relative to.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Units {
     /// Force, N.
@@ -90,6 +94,7 @@ pub(crate) struct Units {
 }
 
 impl Units {
+    /// The units of a program with these forces and displacements.
     pub(crate) fn of(
         program: &ConeProgram,
         forces: &[[f64; 3]],
@@ -105,12 +110,14 @@ impl Units {
         }
     }
 
-    /// Unit of displacements of an interaction, m. A spring's error is one of its force.
+    /// Unit of the displacements of an interaction, m. The error of a spring is an error of its
+    /// force.
     pub(crate) fn displacement_of(&self, c: &Interaction) -> f64 {
         if c.normal_compliance == 0.0 { self.rigid } else { self.displacement }
     }
 
-    /// Raises the residual of the balance to that of a body with the force `row`.
+    /// Raises the residual of the balance to that of a body; `row` is the force of its
+    /// interactions.
     pub(crate) fn of_balance(
         &self,
         body: &ProgramBody,

@@ -1,7 +1,8 @@
 //! The data of one interaction in the interior-point method, and its part of an iteration.
 //!
-//! An iteration passes over all interactions several times, and these passes wait for memory. Those
-//! of a kind therefore lie together, without room for forces and limits that the kind lacks.
+//! An iteration passes over all interactions several times, and these passes wait for memory.
+//! Interactions of a kind therefore lie together, without room for forces and limits that the kind
+//! does not have.
 
 use std::ops::Add;
 
@@ -12,6 +13,7 @@ use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
 use super::point::Warm;
 
+/// One interaction.
 #[derive(Clone)]
 pub struct Cell<const F: usize, const Q: usize> {
     /// Its place in the program.
@@ -82,6 +84,7 @@ pub struct Sizes {
     pub primal: f64,
     pub force: f64,
     pub product: f64,
+    /// Sum of the products.
     pub products: f64,
     /// The terms `l's`, `b'lambda` and `s'Cs` of the duality gap.
     pub linear: f64,
@@ -154,7 +157,8 @@ impl Ahead {
     pub fn bound_growth(&mut self, factor: f64) {
         let [constant, linear, quadratic] = self.products;
         if self.products_after() > factor * constant && constant > 0.0 {
-            // The positive root of quadratic x^2 + linear x = right, without cancellation.
+            // The positive root of quadratic x^2 + linear x = (factor - 1) constant, without
+            // cancellation.
             let right = (factor - 1.0) * constant;
             let root = (linear * linear + 4.0 * quadratic * right).max(0.0).sqrt();
             self.length = self.length.min(2.0 * right / (linear + root));
@@ -162,7 +166,8 @@ impl Ahead {
     }
 }
 
-/// What the responses A and B say about tau: their gains, and the squares that divide its step.
+/// What the responses A and B say about tau: their gains, and the sum of squares in the
+/// denominator of its step.
 #[derive(Clone, Copy, Default)]
 pub struct Gains {
     pub of_residuals: f64,
@@ -229,8 +234,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Takes forces near the solution, with the multipliers of their stationarity. They are then
-    /// shifted to equal products: `w - lambda` stays, `w lambda` is the product.
+    /// Takes forces near the solution, with the multipliers of their stationarity. Slacks and
+    /// multipliers are then shifted to equal products: `w - lambda` stays, `w lambda` is the
+    /// product.
     pub fn warm(&mut self, u: &[[f64; 3]], warm: Warm) {
         let Self { law, x, .. } = self;
         x.s = first(&warm.forces[self.number]);
@@ -400,7 +406,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Aims the corrector at the product `target`, less the products of the predictor's steps.
+    /// Aims the corrector at the product `target`, with the products of the predictor's steps taken
+    /// into account.
     pub fn aim(&mut self, target: f64, right: &mut Rows) {
         self.correction = self.correction.map(|product| product - target);
         let b = std::array::from_fn(|q| self.correction[q] / self.x.lambda[q]);

@@ -8,7 +8,8 @@ use crate::condensed::settings::InteriorSettings;
 /// Residual of a point, over the goal, up to which every better point is judged. The method's
 /// residual is relative to the scales of the program, and the program's own may be far below it.
 const NEAR: f64 = 1e4;
-/// Iterations without a better point after which round-off has stopped a method with a solution.
+/// Number of iterations without a better point after which round-off has stopped a method that has
+/// a solution already.
 const MAX_IDLE: usize = 3;
 
 /// Memory of earlier points.
@@ -76,7 +77,7 @@ impl<'a> Ending<'a> {
         None
     }
 
-    /// Whether a point with this residual suffices, given that the best one is a solution.
+    /// Whether a point with this residual is accurate enough, given that the best one is a solution.
     fn is_done(&self, merit: f64, is_slow: bool) -> bool {
         let Goal { residual, at_once, .. } = self.goal;
         at_once || merit <= residual || (is_slow && merit <= self.settings.near * residual)
@@ -108,9 +109,9 @@ impl<'a> Ending<'a> {
         None
     }
 
-    /// Decides of every limit whether it is active, where that leads to a solution, and returns how
-    /// the method ends. A product says little of a limit just reached: slack and multiplier are its
-    /// root.
+    /// Decides of every limit whether it is active, where that leads to a solution. A product says
+    /// little of a limit that is just reached: slack and multiplier are both its root. Returns how the
+    /// method ends.
     pub fn decide(&mut self, iteration: &mut Iteration, judge: &impl Judge, size: f64) -> End {
         // The method may have gone on to a worse point, or to none.
         if self.solution.is_none() || !(iteration.merit() <= self.best.merit) {

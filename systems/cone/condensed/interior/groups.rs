@@ -1,8 +1,8 @@
 //! The interactions by branches of the body matrix, so that several threads pass over them at once.
 //!
-//! Interactions within a branch touch no body and no block of the matrix of another branch. All
-//! others come after them. Sums are over the branches in their order, whatever the number of
-//! threads.
+//! Interactions within a branch touch no body and no block of the matrix of another branch.
+//! The other interactions come after all branches. Sums are over the branches in their order,
+//! whatever the number of threads.
 
 use std::ops::{Add, Range};
 
@@ -13,6 +13,7 @@ use super::super::settings::InteriorSettings;
 use super::cell::{Cells, for_each};
 use super::law::Rows;
 
+/// Interactions by branch.
 pub struct Groups {
     branches: Vec<Cells>,
     /// Bodies of each branch.
@@ -43,6 +44,7 @@ impl Groups {
         Self { branches, bodies, rest }
     }
 
+    /// Maximum normal force.
     pub fn max_force(&mut self) -> f64 {
         let mut maximum = 0.0_f64;
         for cells in self.all() {
@@ -56,7 +58,8 @@ impl Groups {
         self.branches.iter_mut().chain([&mut self.rest])
     }
 
-    /// Calls `f` for every group with a sum of its own, and adds the sums to `start`.
+    /// Calls `f` for the interactions of every group with a sum of its own, and adds the sums to
+    /// `start`.
     pub fn sum<R: Default + Add<Output = R> + Send>(
         &mut self,
         start: R,
@@ -82,7 +85,8 @@ impl Groups {
         results
     }
 
-    /// Calls `f` for every group with two sets of rows of its bodies and its part of the matrix.
+    /// Calls `f` for the interactions of every group with two sets of rows of their bodies and
+    /// their part of the matrix.
     pub fn condense(
         &mut self,
         matrix: &mut BodyMatrix,
@@ -97,6 +101,7 @@ impl Groups {
     }
 }
 
+/// The rows of the bodies of each branch.
 fn pieces<'a>(bodies: &[Range<usize>], rows: &'a mut [[f64; 3]]) -> Vec<Rows<'a>> {
     let firsts = bodies.iter().map(|bodies| bodies.start as u32);
     let pieces = firsts.zip(split(rows, bodies.iter().cloned()));

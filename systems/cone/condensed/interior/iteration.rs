@@ -10,7 +10,8 @@ use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::{Local, Scaled};
 use crate::condensed::settings::InteriorSettings;
 
-/// Minimum of k at the start, force times displacement: not at the boundary.
+/// Minimum of k at the start, force times displacement: a start without products is no reason to
+/// begin at the boundary.
 const MIN_K: f64 = 1e-6;
 /// Maximum displacement of a start. The residuals of a start further away are round-off.
 const MAX_START: f64 = 1e4;
@@ -22,7 +23,8 @@ const GAP_ROUND_OFF: f64 = 1e-11;
 const KINEMATIC_ROUND_OFF: f64 = 1e-15;
 /// Defect of a linear solve, over the maximum force, that round-off leaves.
 const SOLVE_ROUND_OFF: f64 = 1e-14;
-/// Maximum step of tau over tau, which must not run away with a gap that is round-off.
+/// Maximum step of tau over tau. At the end of a solve the gap is round-off, and tau must not run
+/// away with it.
 const MAX_GROWTH: f64 = 1.0;
 /// Round-off of the matrix over its stiffnesses.
 const MATRIX_ROUND_OFF: f64 = 1e-15;
@@ -39,6 +41,7 @@ pub struct Iteration<'a> {
     settings: &'a InteriorSettings,
     /// The interactions, with their forces, slacks and multipliers.
     groups: Groups,
+    /// Displacements by body.
     u: Vec<[f64; 3]>,
     /// The homogenising variable. All other variables are those of the embedding over tau.
     tau: f64,
@@ -56,10 +59,13 @@ pub struct Iteration<'a> {
     length: f64,
     /// Out-of-balance forces by body.
     balance: Vec<[f64; 3]>,
+    /// Maximum out-of-balance force.
     unbalance: f64,
     /// Residuals of the interactions.
     sizes: Sizes,
+    /// Residual of the duality gap.
     gap: f64,
+    /// Its round-off.
     gap_round_off: f64,
     /// Sum of the strengths of the limits, force.
     strengths: f64,
@@ -75,6 +81,7 @@ pub struct Iteration<'a> {
     /// Right side and solution of the whole step.
     right: Vec<[f64; 3]>,
     du: Vec<[f64; 3]>,
+    /// Defect of the solution.
     defect: Vec<[f64; 3]>,
 }
 
@@ -170,12 +177,14 @@ impl<'a> Iteration<'a> {
             + KINEMATIC_ROUND_OFF * max_magnitude(u) * *strengths;
     }
 
+    /// Whether all residuals are numbers.
     pub fn is_finite(&self) -> bool {
         (self.merit() + self.mu + self.gap).is_finite()
     }
 
     /// Residual of the point: balance and limits over the maximum force, kinematics, and the
-    /// maximum product: the mean says little of a start near a solution, where most are zero.
+    /// maximum product. The mean product says little of a start near a solution, where most are
+    /// zero.
     pub fn merit(&self) -> f64 {
         let Sizes { kinematic, primal, product, .. } = self.sizes;
         let force = self.force();
@@ -184,6 +193,7 @@ impl<'a> Iteration<'a> {
             .max(self.settings.product_weight * product / force)
     }
 
+    /// Maximum force, for comparison.
     fn force(&self) -> f64 {
         self.sizes.force.max(MIN_FORCE)
     }
@@ -193,6 +203,7 @@ impl<'a> Iteration<'a> {
         self.k > 1.0
     }
 
+    /// Copies the point.
     pub fn store(&mut self, point: &mut Interior) {
         point.u.clear();
         point.u.extend_from_slice(&self.u[..self.program.free.len()]);
@@ -202,6 +213,7 @@ impl<'a> Iteration<'a> {
         }
     }
 
+    /// Goes back to an earlier point.
     pub fn restore(&mut self, point: &Interior) {
         self.u = self.program.with_known(&point.u);
         (self.is_embedded, self.tau, self.k) = (false, 1.0, 0.0);
@@ -248,7 +260,8 @@ impl<'a> Iteration<'a> {
         program.images.fold(of_products);
     }
 
-    /// Factorises and solves for both responses; whether there is a factor.
+    /// Factorises and solves for the responses to residuals and to products; whether the matrix has
+    /// a factor.
     pub fn respond(&mut self) -> bool {
         let Self { program, matrix, groups, rights, responses, u, .. } = self;
         let [a, b, _] = responses;
@@ -401,6 +414,7 @@ impl<'a> Iteration<'a> {
         (rho, -of_kappa - self.k * rho)
     }
 
+    /// Moves the point.
     fn make_step(&mut self, to_boundary: f64, rho: f64, dk: f64) -> bool {
         let part = part_of_way(self.mu * self.tau * self.tau);
         // A step onto the boundary, tau = 0, is as short of it as one that would cross it.
@@ -441,8 +455,8 @@ impl<'a> Iteration<'a> {
     }
 }
 
-/// Minimum compliance of an interaction in a step. It bounds the stiffnesses of the matrix, whose
-/// round-off must stay below the weakest stiffness that holds a body.
+/// Minimum compliance of an interaction in a step, displacement over force. It bounds the stiffnesses
+/// of the matrix, whose round-off must stay below the weakest stiffness that holds a body.
 fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> f64 {
     let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
     let weakest = free.filter(|(free, _)| **free).map(|(_, w)| *w).fold(f64::INFINITY, f64::min);

@@ -1,8 +1,10 @@
-//! The law of one interaction: its limits with slacks and multipliers, and the rows of its bodies.
+//! The law of one interaction: its limits, their slacks and multipliers, and the rows of its two
+//! bodies.
 
 use super::super::scaled::{Arms, Local, first};
 use super::point::slack;
 
+/// Maximum number of pairs of limits.
 pub const MAX_PAIRS: usize = 2;
 
 /// The law of an interaction with `F` forces and `Q` limits: see [`Local`].
@@ -23,6 +25,7 @@ pub struct Rows<'a> {
 }
 
 impl<const F: usize, const Q: usize> Law<F, Q> {
+    /// Pairs of limits.
     pub const PAIRS: usize = Q / 2;
     /// Whether the last limit is one of tension, `-p`.
     pub const HAS_TENSION: bool = Q % 2 == 1;
@@ -69,6 +72,7 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
 /// Forces, slacks and multipliers of one interaction, or their steps. At a point w, lambda > 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Variables<const F: usize, const Q: usize> {
+    /// Forces.
     pub s: [f64; F],
     /// Slacks w of the limits.
     pub w: [f64; Q],
@@ -96,6 +100,7 @@ impl<const F: usize, const Q: usize> Variables<F, Q> {
         (self.w[q], self.lambda[q])
     }
 
+    /// Products `w lambda`.
     #[inline]
     pub fn products(&self) -> [f64; Q] {
         std::array::from_fn(|q| self.w[q] * self.lambda[q])

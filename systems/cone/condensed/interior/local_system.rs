@@ -30,7 +30,8 @@
 
 use super::law::{Law, MAX_PAIRS, Variables};
 
-/// Minimum slope of a tie. With a smaller one p hardly enters: the pair alone gives the sum.
+/// Minimum slope of a tie. With a smaller slope p hardly enters, and the sum follows from the
+/// limits of the pair alone.
 const MIN_TIE_SLOPE: f64 = 1e-6;
 
 /// The pair of limits of a force x.
@@ -49,6 +50,7 @@ struct Pair {
 /// The system at given slacks and multipliers.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalSystem<const F: usize, const Q: usize> {
+    /// Compliances of the step.
     pub compliance: [f64; F],
     /// The matrix T from kinematics to forces.
     pub stiffness: [[f64; F]; F],
@@ -112,8 +114,8 @@ impl<const F: usize, const Q: usize> LocalSystem<F, Q> {
         }
     }
 
-    /// Steps of the forces, for kinematics less stationarity `e`, and right sides `b` of the
-    /// limits.
+    /// Steps of the forces, for the kinematics less the residuals of stationarity `e` and the right
+    /// sides `b` of the limits.
     #[inline]
     pub fn forces(&self, law: &Law<F, Q>, e: &[f64; F], b: &[f64; Q]) -> [f64; F] {
         let mut of_p = e[0];

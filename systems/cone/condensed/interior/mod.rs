@@ -1,6 +1,7 @@
 //! The interior-point method: a homogeneous embedding of the program, which always decides.
 //!
-//! **The problem.** Forces s of all interactions and displacements u of all bodies fulfil
+//! **The problem.** With the forces s of all interactions and the displacements u of all bodies, a
+//! solution fulfils
 //!
 //! ```text
 //! M u + G s = f                        balance
@@ -42,6 +43,16 @@
 //! x the slack less the multiplier, slack and multiplier become the positive and the negative part of
 //! x, and the step takes the residuals that this leaves, without regard to the boundary. They use the
 //! same elimination and factorisation as an iteration.
+//!
+//! | file | what |
+//! |---|---|
+//! | `point` | a point, where the method starts, and what judges it |
+//! | `iteration` | the current point, and the steps that make an iteration |
+//! | `ending` | the best point so far, and what ends the method |
+//! | `groups` | the interactions by branches of the matrix |
+//! | `cell` | one interaction |
+//! | `law` | its limits, their slacks and multipliers |
+//! | `local_system` | its elimination |
 
 mod cell;
 mod ending;
@@ -58,8 +69,10 @@ use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::InteriorSettings;
 
-/// Runs the method from displacements and forces, or the elastic trial at the displacements, until
-/// the judge accepts a point near the goal or a proof, or the residual no longer falls.
+/// Runs the method from displacements and forces, without forces from the elastic trial at the
+/// displacements, until the judge accepts a point near the goal or a proof, or the residual no
+/// longer falls.
+#[must_use]
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,

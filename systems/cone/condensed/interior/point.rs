@@ -18,6 +18,7 @@ pub struct Interior {
 }
 
 impl Interior {
+    /// A point at rest without forces.
     pub(super) fn of(program: &Scaled) -> Self {
         let count = program.locals.len();
         let (s, lambda) = (vec![[0.0; 3]; count], vec![[0.0; ROWS]; count]);
@@ -60,6 +61,7 @@ pub trait Judge {
     }
 }
 
+/// A judge of solutions alone.
 impl<F: Fn(&Interior) -> bool> Judge for F {
     fn is_solution(&self, point: &Interior) -> bool {
         self(point)
@@ -81,17 +83,20 @@ pub struct Goal {
 
 impl Goal {
     /// The goal is this residual, or a slightly larger one where the method is slow.
+    #[must_use]
     pub fn exact(residual: f64) -> Self {
         Self { residual, at_once: false, decided: None, in_middle: false }
     }
 
     /// The goal with a solution that decides of every limit whether it is active: the smaller of
     /// slack and multiplier is at most `size`. A solution `in_middle` stays as it is.
+    #[must_use]
     pub fn decided(self, size: f64, in_middle: bool) -> Self {
         Self { decided: Some(size), in_middle, ..self }
     }
 
     /// The goal is the first point that solves the program, or this residual.
+    #[must_use]
     pub fn enough(residual: f64) -> Self {
         Self { residual, at_once: true, decided: None, in_middle: false }
     }
@@ -106,7 +111,8 @@ pub struct Warm<'a> {
     pub product: f64,
 }
 
-/// The slack w of a limit with `w - lambda = difference` and `w lambda = product`.
+/// The slack w of a limit whose multiplier lambda has `w - lambda = difference` and
+/// `w lambda = product`.
 #[inline]
 pub fn slack(difference: f64, product: f64) -> f64 {
     let root = difference.hypot(2.0 * product.sqrt());

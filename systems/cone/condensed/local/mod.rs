@@ -3,11 +3,13 @@
 //!
 //! After a rupture a few contacts out of thousands change their state, and a cluster that came
 //! loose dominates the global direction. One global step length then serves one cluster per
-//! factorisation. Each cluster on its own is a small problem (`patches`). It is solved to the goal
-//! of the whole program: if all but a few clusters are elastic, its unbalance becomes that of the
-//! program after the next step (nonlinear elimination: Cai and Keyes 2002).
+//! factorisation. Each cluster on its own is a small problem (`patches`). It is solved to the goal of
+//! the whole program: if all but a few clusters are elastic, its unbalance becomes that of the whole
+//! program after the next step. (Nonlinear elimination, or nonlinearly preconditioned Newton: Cai
+//! and Keyes 2002.)
 //!
-//! A step that a few fast bodies shorten is made without them. Local elimination balances them.
+//! Where a few fast bodies shorten a global step, the step is made without them. Local
+//! elimination then balances them.
 
 mod patches;
 
@@ -19,7 +21,8 @@ use super::settings::{LocalSettings, NewtonSettings};
 use super::spring::{Elastic, RollingSpring, Spring};
 use crate::adjacency::Adjacency;
 
-/// Solves the program from displacements until unbalance over maximum force is at most `goal`.
+/// Solves the program from the displacements `start` until the unbalance over the maximum force is
+/// at most `goal`.
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
@@ -42,6 +45,7 @@ pub struct Elimination<'a> {
     program: &'a Scaled,
     adjacency: Adjacency,
     settings: &'a LocalSettings,
+    /// Goal of the iteration.
     goal: Goal,
     /// Length of the last step; 0 before the first.
     last_length: f64,
@@ -49,6 +53,7 @@ pub struct Elimination<'a> {
     fast: Vec<bool>,
     /// Whether bodies were eliminated since the last step: a step comes next in any case.
     is_done: bool,
+    /// Whether threads share the matrix of the program.
     is_shared: bool,
 }
 
@@ -134,7 +139,8 @@ impl<'a> Elimination<'a> {
         Some((fast, Step { du, de, length: *length }))
     }
 
-    /// Brings bodies that are furthest out of balance, and fast ones, to it; whether any moved.
+    /// Brings the bodies that are furthest out of balance, and fast ones, to balance; whether any
+    /// moved.
     fn eliminate<S: Elastic<F>, const F: usize>(&self, point: &mut Point<S, F>) -> bool {
         let of_body = |g: &[f64; 3]| g.iter().fold(0.0_f64, |m, g| m.max(g.abs()));
         let n = self.program.free.len();

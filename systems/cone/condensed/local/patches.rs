@@ -95,7 +95,8 @@ impl Elimination<'_> {
         solutions.into_iter().flatten().flatten().collect()
     }
 
-    /// Displacements of the `members` with all others held; `None` if the result is not finite.
+    /// Displacements of the `members` with all others held where `start` has them; `None` if the
+    /// result is not finite.
     fn balance<S: Elastic<F>, const F: usize>(
         &self,
         members: &[usize],

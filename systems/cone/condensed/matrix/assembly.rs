@@ -5,7 +5,8 @@ use super::layout::PairPlace;
 use crate::condensed::images::Images;
 use crate::condensed::scaled::Scaled;
 
-/// Values to add to: those of a branch, so that threads can add to several at once, or all.
+/// Values to add to: those of a branch, so that threads can add to several branches at once, or
+/// all.
 pub struct Assembly<'a, A: Arithmetic> {
     pub(super) bodies: &'a mut [A::Body],
     pub(super) pairs: &'a mut [A::Pair],
@@ -16,7 +17,8 @@ pub struct Assembly<'a, A: Arithmetic> {
 }
 
 impl<A: Arithmetic> Assembly<'_, A> {
-    /// Adds to the diagonal at degree of freedom `k` of a body: two translations, the rotation.
+    /// Adds to the diagonal at degree of freedom `k` of a body: 0 and 1 are translations, 2 is the
+    /// rotation.
     #[inline]
     pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
         self.bodies[body - self.first[0]].as_mut()[A::DIAGONAL[k]] += value;
@@ -102,6 +104,7 @@ pub fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
     sum
 }
 
+/// The rows times a matrix.
 #[inline]
 pub fn times<const F: usize>(rows: &[[f64; F]; 3], d: &[[f64; F]; F]) -> [[f64; F]; 3] {
     let mut out = [[0.0; F]; 3];

@@ -16,6 +16,7 @@ use super::share::{By, Share};
 const DIAGONAL: usize = 6;
 const PAIR: usize = 9;
 
+/// The factor of a task.
 pub struct Cholesky {
     /// Front by front, without the triangles of the pivots.
     factor: Vec<f64>,

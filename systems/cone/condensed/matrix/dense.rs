@@ -1,9 +1,11 @@
-//! Dense arithmetic on one front: Cholesky factorisation of its trapezoid, update, and solves.
+//! Dense arithmetic on one front: Cholesky factorisation of its trapezoid, its update, and the
+//! triangular solves.
 //!
 //! A trapezoid is computed column by column, with `height` numbers in each and room for padding to
-//! [`LANES`]; entries above the diagonal have no meaning. The factor is stored without that room,
-//! since memory bandwidth limits solves: blocks of three columns, each from the row below its
-//! pivots and padded at its end, and separately the triangles of the pivots.
+//! [`LANES`]; its entries above the diagonal have no meaning. The factor is stored without that
+//! room, because solves read all of it and memory bandwidth limits them: blocks of three columns,
+//! each from the row below its pivots and padded at its end, and separately the triangles of the
+//! pivots.
 //!
 //! All functions are inlined into a caller that is compiled for the instructions of the machine
 //! (`pulp`): loops over constant lengths become vector instructions. The results do not depend on
@@ -137,6 +139,7 @@ pub fn divide([x, y, z]: [&mut [f64]; 3], first: usize, triangle: &Triangle) {
     }
 }
 
+/// Positive and finite.
 #[inline(always)]
 fn is_pivot(x: f64) -> bool {
     x > 0.0 && x < f64::INFINITY
@@ -198,7 +201,8 @@ pub fn keep(panel: &[f64], height: usize, bodies: usize, kept: &mut [f64]) {
     }
 }
 
-/// Forward solve of a front with `bodies` pivots and rows: `x` has its pivots, rows, padding.
+/// Forward solve of one front with `bodies` pivots and rows: `x` has its pivots, its rows, and
+/// padding.
 #[inline(always)]
 pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     let mut kept = kept;
@@ -219,7 +223,8 @@ pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64
     }
 }
 
-/// Backward solve of a front: `x` has its pivots, the solution of its rows, and zeros.
+/// Backward solve of one front: `x` has its pivots, the solution of its rows, and zeros for
+/// padding.
 #[inline(always)]
 pub fn backward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     let mut kept = kept;

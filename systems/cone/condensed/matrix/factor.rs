@@ -27,14 +27,15 @@ pub trait Arithmetic: Send + Sync {
     /// Adds `G D G'` to the numbers of a body with the rows G.
     fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]);
 
-    /// Adds `G D G'` to the numbers of a pair with the rows G, the body eliminated first coming
-    /// first.
+    /// Adds `G D G'` to the numbers of a pair with the rows G, those of the body that is eliminated
+    /// first coming first.
     fn add_pair<const F: usize>(
         block: &mut Self::Pair,
         rows: [&[[f64; F]; 3]; 2],
         d: &[[f64; F]; F],
     );
 
+    /// Room for the factor of a task.
     fn new(fronts: &Fronts, task: &Task) -> Self;
 
     /// Numbers of two kinds that a front needs while it is being eliminated.
@@ -52,20 +53,23 @@ pub trait Arithmetic: Send + Sync {
         room: [&mut [f64]; 2],
     ) -> bool;
 
-    /// Forward solve of a front. `local` has numbers of its pivots and rows, and [`LANES`] zeros.
+    /// Forward solve of one front. `local` has the numbers of its pivots and rows, and [`LANES`]
+    /// zeros.
     fn forward(&self, at: At, local: &mut [f64]);
 
-    /// Backward solve of a front. `local` has its pivots, the solution of its rows, [`LANES`]
-    /// zeros.
+    /// Backward solve of one front. `local` has the numbers of its pivots, the solution of its rows,
+    /// and [`LANES`] zeros.
     fn backward(&self, at: At, local: &mut [f64]);
 }
 
+/// Values of the matrix: blocks of bodies in the order of elimination, and of pairs front by front.
 #[derive(Clone, Copy)]
 pub struct Values<'a, B, P> {
     pub bodies: &'a [B],
     pub pairs: &'a [P],
 }
 
+/// A front and its place.
 #[derive(Clone, Copy)]
 pub struct At<'a> {
     pub fronts: &'a Fronts,
@@ -76,12 +80,14 @@ pub struct At<'a> {
 }
 
 impl<'a> At<'a> {
+    /// The fronts of a task.
     fn all(fronts: &'a Fronts, task: usize) -> impl DoubleEndedIterator<Item = Self> {
         let task = &fronts.tasks[task];
         let list = fronts.list[task.fronts.clone()].iter().enumerate();
         list.map(move |(within, front)| Self { fronts, task, within, front })
     }
 
+    /// Blocks of its pivots.
     pub fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
         &bodies[self.task.places.start..][self.front.pivots.clone()]
     }
@@ -108,6 +114,7 @@ impl<'a> At<'a> {
     }
 }
 
+/// The numbers of a task.
 struct Part<A> {
     factor: A,
     /// Updates that wait for the parents of their fronts: of fronts in even depth, then in odd
@@ -120,6 +127,7 @@ struct Part<A> {
     room: [usize; 3],
 }
 
+/// The factor of a matrix.
 pub struct Factor<A: Arithmetic> {
     parts: Vec<Part<A>>,
     /// For updates and for the numbers of fronts.
@@ -128,6 +136,7 @@ pub struct Factor<A: Arithmetic> {
 }
 
 impl<A: Arithmetic> Factor<A> {
+    /// Room for the factor of a matrix with these fronts.
     pub fn new(fronts: &Fronts) -> Self {
         let part = |task: &Task| {
             let mut room = [0; 3];
@@ -144,10 +153,12 @@ impl<A: Arithmetic> Factor<A> {
         Self { parts, memory: Memory::default(), instructions: Arch::new() }
     }
 
+    /// Whether there is work for several threads.
     pub fn is_shared(&self) -> bool {
         self.parts.len() > 1
     }
 
+    /// The factors of the tasks.
     pub fn parts(&self) -> impl Iterator<Item = &A> {
         self.parts.iter().map(|part| &part.factor)
     }
@@ -187,6 +198,7 @@ impl<A: Arithmetic> Factor<A> {
         has_factor
     }
 
+    /// Forward solve with the last factor.
     pub fn forward(&mut self, fronts: &Fronts, right: &[[f64; 3]]) {
         let Self { parts, memory, instructions } = self;
         upward(0, &fronts.sizes, parts, &|task, below, part| {
@@ -215,7 +227,8 @@ impl<A: Arithmetic> Factor<A> {
     }
 }
 
-/// Sets the work of a task to the right side, and adds what the tasks below it contribute.
+/// Sets the work of a task to the right side, with the contributions of the tasks below it one
+/// after the other.
 fn gather_below<A>(
     fronts: &Fronts,
     task: usize,
@@ -275,13 +288,16 @@ fn solve_front<A: Arithmetic>(factor: &A, at: At, work: &mut [[f64; 3]], local: 
     }
 }
 
+/// Factorisation of a task.
 struct Eliminate<'a, 'v, A: Arithmetic> {
     fronts: &'a Fronts,
     values: Values<'v, A::Body, A::Pair>,
     task: usize,
     part: &'a mut Part<A>,
+    /// The other tasks of its subtrees.
     below: &'a [Part<A>],
     room: &'a mut [f64],
+    /// Whether a forward solve goes with it.
     solves: bool,
 }
 

@@ -1,4 +1,5 @@
-//! The data of a factorisation that depend on the pattern only: fronts, and places of numbers.
+//! The data of a factorisation that depend on the pattern only: fronts, their order, and the places
+//! of their numbers.
 //!
 //! A front has pivots, a group of bodies that are eliminated together, and rows, the bodies that
 //! are coupled with them. Its numbers are a dense trapezoid, the columns of the factor at its
@@ -16,6 +17,7 @@ const BRANCHES: usize = 16;
 
 /// One front. Places of bodies are those within its task: see [`Fronts::within`].
 pub struct Front {
+    /// Places of the pivots.
     pub pivots: Range<usize>,
     /// Range of its rows in [`Fronts::rows`] and [`Fronts::in_parent`].
     pub rows: Range<usize>,
@@ -60,6 +62,7 @@ impl Front {
 /// Some subtrees of the tree, without the parts of them that are tasks of their own.
 #[derive(Default)]
 pub struct Task {
+    /// Its fronts.
     pub fronts: Range<usize>,
     /// Its bodies in the order of elimination.
     pub places: Range<usize>,
@@ -74,7 +77,9 @@ pub struct Task {
 /// All fronts, children before their parents.
 #[derive(Default)]
 pub struct Fronts {
+    /// Bodies in the order of their elimination.
     pub order: Vec<usize>,
+    /// The fronts.
     pub list: Vec<Front>,
     /// The tasks, in the order of elimination.
     pub tasks: Vec<Task>,
@@ -122,6 +127,7 @@ impl Fronts {
         })
     }
 
+    /// The task of a front.
     pub fn task_of(&self, front: usize) -> usize {
         self.tasks.partition_point(|task| task.fronts.end <= front)
     }
@@ -156,7 +162,8 @@ impl Fronts {
         branches
     }
 
-    /// Work of the longest path over that of the tree, where `threads` threads share large fronts.
+    /// Work of the longest path over that of the whole tree, where `threads` threads share the work
+    /// on large fronts.
     pub fn longest_path(&self, threads: usize) -> f64 {
         let (mut total, mut longest) = (0.0, 0.0_f64);
         let mut below = vec![0.0_f64; self.tasks.len()];

@@ -1,5 +1,5 @@
-//! The order of elimination, approximate minimum degree on the graph of bodies; that of the fronts,
-//! children before parents and task by task; and a place for all their numbers.
+//! The order of elimination, approximate minimum degree on the graph of bodies and interactions; the
+//! order of the fronts, children before parents and task by task; and a place for all their numbers.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::SymbolicSparseColMatRef;
@@ -11,6 +11,7 @@ use super::merge::{Group, columns, merge};
 use super::tasks::{cut, parents};
 use crate::adjacency::Adjacency;
 
+/// The place of a pair of bodies.
 #[derive(Clone, Copy)]
 pub struct PairPlace {
     /// Its place among the pairs of all fronts.
@@ -19,7 +20,8 @@ pub struct PairPlace {
     pub bodies: [usize; 2],
 }
 
-/// The fronts of bodies coupled by `pairs`, and the place of every pair; `None` without an order.
+/// The fronts of `bodies` bodies coupled by `pairs`, and the place of every pair. `None` if faer finds
+/// no order.
 pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<PairPlace>)> {
     let neighbours = Adjacency::of_neighbours(bodies, pairs);
     let mut fronts = fronts(&minimum_degree(&neighbours)?, &neighbours);
@@ -49,7 +51,8 @@ pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<Pair
     Some((fronts, of_pair))
 }
 
-/// The fronts of bodies with these neighbours, in this order or one with the same fill.
+/// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
+/// same fill.
 fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     let n = order.len();
     let column_rows = &columns(order, neighbours)[..];
@@ -91,6 +94,7 @@ fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     fronts
 }
 
+/// The fronts that are laid out so far.
 struct Layout<'a> {
     column_rows: &'a [Vec<u32>],
     groups: &'a [Option<Group>],
@@ -126,7 +130,8 @@ impl Layout<'_> {
                 update: used[mine],
                 odd: mine == 1,
             };
-            // Its children have the last updates in their stack; other tasks have other stacks.
+            // Its children have the last updates in their stack; those of other tasks are in other
+            // stacks.
             let mut children = fronts.children[first_child..].iter().map(|c| *c as usize);
             if let Some(child) = children.find(|c| *c >= first_front) {
                 used[theirs] = fronts.list[child].update;
@@ -236,7 +241,8 @@ pub fn places(order: &[usize]) -> Vec<usize> {
     places
 }
 
-/// The order of elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses the pattern.
+/// Bodies in the order of elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses the
+/// pattern.
 pub fn minimum_degree(neighbours: &Adjacency) -> Option<Vec<usize>> {
     let n = neighbours.bodies();
     if n == 0 {

@@ -16,11 +16,13 @@ use super::share::{By, Share, in_pieces};
 /// Numbers in the block of a body, row by row, and in each block of a pair: rows of the body that
 /// is eliminated first in columns of the other, then the transposed place.
 const BODY: usize = 9;
-/// A pivot stays on the diagonal if it is at least this part of its column's maximum in the pivots.
+/// A pivot stays on the diagonal if it is at least this part of the maximum of its column among the
+/// pivots of the front.
 const THRESHOLD: f64 = 0.1;
 /// Number of pivots whose rows are subtracted from the rows below in one pass.
 const TOGETHER: usize = 4;
 
+/// The factor of a front.
 struct OfFront {
     /// Columns of the pivots, row by row, of all rows.
     lower: Vec<f64>,
@@ -30,6 +32,7 @@ struct OfFront {
     exchanged: Vec<u32>,
 }
 
+/// The factor of a task.
 pub struct Lu {
     fronts: Vec<OfFront>,
     /// Sign of the determinant of the pivots; 0 if there is no factor.
@@ -106,6 +109,7 @@ impl Arithmetic for Lu {
         Self { fronts: list.iter().map(of_front).collect(), sign: 0.0 }
     }
 
+    /// Its square.
     fn room(front: &Front) -> [usize; 2] {
         [height(front) * row_len(height(front)), 0]
     }
@@ -251,6 +255,7 @@ fn factorise<S: Simd>(
     sign
 }
 
+/// Rows below the pivots.
 struct Below<'a> {
     pivots: &'a [f64],
     rows: &'a mut [f64],

@@ -13,6 +13,7 @@ const MERGED: [(usize, f64); 3] = [(2, 0.5), (8, 0.2), (32, 0.05)];
 /// A group of bodies that may still become part of its parent.
 #[derive(Default)]
 pub struct Group {
+    /// Its columns.
     pub pivots: Vec<u32>,
     /// Groups whose parent it is.
     pub children: Vec<usize>,
@@ -20,7 +21,8 @@ pub struct Group {
     zeros: usize,
 }
 
-/// Rows below the diagonal of every column of the factor. The first is its parent in the tree.
+/// Rows below the diagonal of every column of the factor. The first is its parent in the elimination
+/// tree.
 pub fn columns(order: &[usize], neighbours: &Adjacency) -> Vec<Vec<u32>> {
     let n = order.len();
     let place = places(order);

@@ -112,7 +112,8 @@ impl WithSimd for Below<'_> {
     }
 }
 
-/// As [`dense::factorise`](super::dense::factorise), into the copy; threads help as `share` says.
+/// As [`dense::factorise`](super::dense::factorise), into the copy. Threads of the pool help, as
+/// `share` says.
 #[inline(always)]
 pub fn factorise<S: Simd>(
     simd: S,

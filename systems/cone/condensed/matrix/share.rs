@@ -11,12 +11,14 @@ use super::super::parallel::is_alone;
 const MIN_PIECE: usize = 100_000;
 
 /// Who works on a front: [`Alone`] one thread, [`Arch`] the threads of the pool with these
-/// instructions. A type, because loops of one thread are slower if the compiler provides for both.
+/// instructions. It is a type because the loops of one thread are slower where the compiler has to
+/// provide for both.
 pub trait Share: Copy + Sync {
     /// The instructions for the other threads; `None` for one thread.
     fn instructions(self) -> Option<Arch>;
 }
 
+/// One thread works on a front.
 #[derive(Clone, Copy)]
 pub struct Alone;
 

@@ -10,7 +10,8 @@
 use super::merge::Group;
 use crate::condensed::parallel::join;
 
-/// Minimum number of bodies of a matrix with several tasks: a second thread gains nothing below.
+/// Minimum number of bodies of a matrix with more than one task: for less, a second thread gains
+/// nothing.
 const MIN_BODIES: usize = 1000;
 /// Maximum work of a subtree that is not cut, as a part of the whole.
 const GRAIN: f64 = 1.0 / 200.0;
@@ -18,17 +19,21 @@ const GRAIN: f64 = 1.0 / 200.0;
 /// Shorter tasks, each with memory of its own, make the solves of 2000 disks up to 6 % slower.
 const MIN_WORK: f64 = 1e6;
 
+/// A task of the cut.
 #[derive(Default)]
 pub struct Cut {
-    /// The columns at the feet of its subtrees, of which the tasks below it have their parts.
+    /// The columns at the feet of its subtrees. The tasks below it are parts of these subtrees that
+    /// do not belong to it.
     pub feet: Vec<usize>,
     /// Number of tasks in its subtrees, itself included: it comes last of them.
     pub size: usize,
 }
 
+/// A task while the tree is cut.
 #[derive(Default)]
 struct Node {
     feet: Vec<usize>,
+    /// The tasks directly below.
     below: Vec<usize>,
     /// Columns of small subtrees that hang on it.
     small: Vec<usize>,
