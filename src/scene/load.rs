@@ -4,15 +4,13 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::context::Notes;
-use ron::extensions::Extensions;
-
 use super::courses::gather;
-use super::diagnose::diagnose;
 use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
 use super::edited::EditedText;
 use super::files::{decode, read_at_most};
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
+use super::reader::read;
 use super::repeats::Written;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
@@ -177,7 +175,7 @@ fn from_text(
     let Values { text: read_text, findings: misused, tables, made_up: no_values } =
         values::put_in(&edited);
     let text = read_text.text.as_str();
-    let (mut scene, Notes { mut placed, mut made_up, renamed }) = parse(text);
+    let (mut scene, Notes { mut placed, mut made_up, renamed }) = read::read::<Scene>(text);
     made_up.extend(no_values);
     placed.extend(place(text, misused, &renamed));
     let mut csv_errors = None;
@@ -227,35 +225,6 @@ fn from_text(
         }
         _ => Err(LoadError::Scene(errors)),
     }
-}
-
-/// The dialect of RON in which scenes are written.
-pub(super) fn ron_options() -> ron::Options {
-    let extensions = Extensions::IMPLICIT_SOME
-        | Extensions::UNWRAP_NEWTYPES
-        | Extensions::UNWRAP_VARIANT_NEWTYPES;
-    ron::Options::default().with_default_extension(extensions)
-}
-
-/// Reads the text. If `ron` refuses it, a second reading finds every mistake.
-fn parse(text: &str) -> (Option<Scene>, Notes) {
-    let error = match ron_options().from_str::<Scene>(text) {
-        Ok(scene) => return (Some(scene), Notes::default()),
-        Err(error) => error,
-    };
-    let (scene, mut notes) = diagnose(text);
-    if notes.placed.is_empty() {
-        // The second reading does not know every rule of RON. If it finds no mistake, the message
-        // of `ron` is used.
-        let lines = error.span.start.line.saturating_sub(1);
-        let line: usize = text.split_inclusive('\n').take(lines).map(str::len).sum();
-        let rest = text.get(line..).unwrap_or_default();
-        let column = rest.char_indices().nth(error.span.start.col.saturating_sub(1));
-        let at = line + column.map_or(rest.len(), |(at, _)| at);
-        let finding = Finding::new("", error.code.to_string(), "");
-        notes.placed.push(Placed { at, finding });
-    }
-    (scene, notes)
 }
 
 /// The first setting whose path names a key that does not exist and that the setting itself

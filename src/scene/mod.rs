@@ -2,10 +2,9 @@
 //!
 //! A scene goes from text to [`LoadedScene`] in five steps, one file each: [`overrides`] edits the
 //! text, `values` puts the values of `let` in place of their names, and points in place of the
-//! expressions of tables, `ron` reads it into the types
-//! of [`format`](mod@format), [`specimen_file`] reads a stored specimen, and [`validate`] checks
-//! the meaning. A text that `ron` refuses is read a second time by `reader`, which does not stop at
-//! the first mistake.
+//! expressions of tables, `reader` reads it into the types of [`format`](mod@format),
+//! [`specimen_file`] reads a stored specimen, and [`validate`] checks the meaning. All of them go on
+//! past a mistake, so that a user sees every mistake at once.
 
 mod coincident;
 mod courses;
@@ -18,7 +17,7 @@ pub(crate) mod load;
 pub mod memory;
 pub mod one_round;
 pub mod overrides;
-mod reader;
+pub(crate) mod reader;
 mod repeats;
 pub mod shipped;
 pub mod shown;
@@ -27,7 +26,6 @@ mod stored;
 pub mod stored_state;
 #[cfg(test)]
 mod tests;
-pub(crate) mod unique_keys;
 pub mod validate;
 mod values;
 
@@ -37,5 +35,5 @@ pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_unpre
 pub use overrides::SetError;
 pub use reader::spans;
 pub(crate) use reader::suggest;
-use reader::{context, diagnose, dimension, expression, scan, tree, units};
+use reader::{context, dimension, expression, scan, tree, units};
 pub use stored::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};

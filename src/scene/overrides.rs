@@ -8,11 +8,10 @@
 use std::fmt;
 
 use super::context::Notes;
-use super::diagnose::diagnose;
 use super::diagnostic::Finding;
 use super::edited::EditedText;
 use super::format::Scene;
-use super::load::ron_options;
+use super::reader::read::read;
 use super::scan::scan;
 use super::shown::brief;
 use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};
@@ -149,11 +148,8 @@ impl Place {
         let mut edited = text.to_owned();
         edited.replace_range(self.span.clone(), new);
         let read_text = values::put_in(&EditedText::of(&edited)).text;
-        if ron_options().from_str::<Scene>(&read_text.text).is_ok() {
-            return None;
-        }
         let span = self.span.start..self.span.start + new.len();
-        let (_, Notes { mut placed, .. }) = diagnose(&read_text.text);
+        let (_, Notes { mut placed, .. }) = read::<Scene>(&read_text.text);
         placed.retain(|placed| span.contains(&read_text.source(placed.at).at));
         Some(placed.into_iter().min_by_key(|placed| placed.at)?.finding)
     }

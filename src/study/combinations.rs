@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-use ron::value::RawValue;
-
 use super::format::{Ordered, Runs, StudyError};
+use crate::scene::reader::verbatim::Verbatim;
 
 /// Names and values of a run, the values in RON. An empty value is none.
 pub(super) type Values = Vec<(String, String)>;
@@ -14,9 +13,8 @@ pub(super) fn combinations(runs: &Runs, file: &Path) -> Result<Vec<Values>, Stud
     match runs {
         Runs::Grid(axes) => Ok(grid(axes)),
         Runs::List(list) => {
-            let row = |run: &Ordered<Box<RawValue>>| {
-                run.0.iter().map(|(name, of)| value(name, of)).collect()
-            };
+            let row =
+                |run: &Ordered<Verbatim>| run.0.iter().map(|(name, of)| value(name, of)).collect();
             Ok(list.iter().map(row).collect())
         }
         Runs::Table(path) => table(&file.parent().unwrap_or(Path::new("")).join(path)),
@@ -27,12 +25,12 @@ pub(super) fn combinations(runs: &Runs, file: &Path) -> Result<Vec<Values>, Stud
     }
 }
 
-fn value(name: &str, value: &RawValue) -> (String, String) {
-    (name.to_owned(), value.get_ron().trim().to_owned())
+fn value(name: &str, value: &Verbatim) -> (String, String) {
+    (name.to_owned(), value.0.clone())
 }
 
 /// Every combination of the values. The last name changes fastest.
-fn grid(axes: &Ordered<Vec<Box<RawValue>>>) -> Vec<Values> {
+fn grid(axes: &Ordered<Vec<Verbatim>>) -> Vec<Values> {
     axes.0.iter().fold(vec![Vec::new()], |rows, (name, values)| {
         let longer = |row: &Values| -> Vec<Values> {
             values.iter().map(|of| [row.as_slice(), &[value(name, of)]].concat()).collect()

@@ -13,13 +13,16 @@
 //! )
 //! ```
 
+use std::fmt;
+use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
-use ron::extensions::Extensions;
-use ron::value::RawValue;
 use serde::Deserialize;
+use serde::de::{Deserializer, MapAccess, Visitor};
 
-use crate::scene::unique_keys::entries;
+use crate::scene::SceneErrors;
+use crate::scene::reader::read::read_sound;
+use crate::scene::reader::verbatim::Verbatim;
 
 /// Version of the format that this build reads.
 pub const VERSION: u32 = 1;
@@ -78,9 +81,9 @@ pub struct Preparation {
 #[derive(Debug, Deserialize)]
 pub enum Runs {
     /// Every combination of the values of the names. The last name changes fastest.
-    Grid(Ordered<Vec<Box<RawValue>>>),
+    Grid(Ordered<Vec<Verbatim>>),
     /// One run per entry, which gives its names their values.
-    List(Vec<Ordered<Box<RawValue>>>),
+    List(Vec<Ordered<Verbatim>>),
     /// One run per row of a CSV file, relative to that of the study. Its columns are names.
     Table(PathBuf),
     /// The runs of each entry, one entry after the other. A run lacks the names that only other
@@ -88,7 +91,7 @@ pub enum Runs {
     Several(Vec<Runs>),
 }
 
-/// A map that keeps the order of the text, and refuses a key that is given twice.
+/// A map that keeps the order of the text.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ordered<V>(pub Vec<(String, V)>);
 
@@ -100,36 +103,55 @@ impl<V> Ordered<V> {
 }
 
 impl<'de, V: Deserialize<'de>> Deserialize<'de> for Ordered<V> {
-    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        entries(deserializer, "a map `{ \"name\": ... }`").map(Self)
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_map(Entries(PhantomData))
+    }
+}
+
+struct Entries<V>(PhantomData<V>);
+
+impl<'de, V: Deserialize<'de>> Visitor<'de> for Entries<V> {
+    type Value = Ordered<V>;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a map")
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Self::Value, A::Error> {
+        let mut entries = Vec::new();
+        while let Some(entry) = access.next_entry()? {
+            entries.push(entry);
+        }
+        Ok(Ordered(entries))
     }
 }
 
 /// Why a study cannot be run.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{place}: {message}")]
-pub struct StudyError {
-    /// The file, with line and column if the mistake has a place.
-    pub place: String,
-    /// The mistake and its remedy.
-    pub message: String,
+#[derive(Clone, Debug, thiserror::Error)]
+pub enum StudyError {
+    /// Its text is wrong.
+    #[error(transparent)]
+    Text(SceneErrors),
+    /// What it asks for is wrong.
+    #[error("{}: {message}", file.display())]
+    Plan {
+        /// The file: that of the study, or the table of its runs.
+        file: PathBuf,
+        /// The mistake and its remedy.
+        message: String,
+    },
 }
 
 impl StudyError {
     pub(super) fn new(file: &Path, message: impl Into<String>) -> Self {
-        Self { place: file.display().to_string(), message: message.into() }
+        Self::Plan { file: file.to_owned(), message: message.into() }
     }
 }
 
 impl Study {
     /// Reads a study from its text. `file` stands in messages.
     pub fn read(text: &str, file: &Path) -> Result<Self, StudyError> {
-        let options = ron::Options::default()
-            .with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES);
-        let study: Self = options.from_str(text).map_err(|error| StudyError {
-            place: format!("{}:{}", file.display(), error.span.start),
-            message: error.code.to_string(),
-        })?;
+        let study: Self = read_sound(text, file).map_err(StudyError::Text)?;
         if study.version != VERSION {
             let message = format!(
                 "version: {} is unknown; this clastic reads version {VERSION}",

@@ -114,7 +114,11 @@ fn a_mistake_is_told_before_anything_runs() {
         ("3.0e3]", "-3.0e3]", "run 5 (strength -3.0e3, stages.pull.increments 150)"),
         ("\"stages.pull.increments\"", "\"stages.pul.increments\"", "stages.pul"),
         ("scene: \"tension\"", "scene: \"tensoin\"", "did you mean `tension`?"),
-        ("runs: Grid", "runs: Grit", "study.ron:6:"),
+        (
+            "runs: Grid",
+            "runs: Grit",
+            "study.ron:6:11: runs: unknown variant `Grit`; did you mean `Grid`?",
+        ),
     ] {
         let folder = folder();
         let path = folder.path().join("study.ron");
@@ -124,6 +128,25 @@ fn a_mistake_is_told_before_anything_runs() {
         let said = stderr(&clastic(&arguments).failure());
         assert!(said.contains(told), "{to}: {said}");
         assert!(!out.exists(), "{to}");
+    }
+}
+
+#[test]
+fn all_mistakes_of_a_study_are_told_at_once() {
+    let folder = folder();
+    let text = STUDY
+        .replace("title:", "titel:")
+        .replace("version: 1,", "version: 1")
+        .replace("{ \"strength\": [\"", "{ \"strength\": [], \"strength\": [\"");
+    let path = folder.path().join("study.ron");
+    fs::write(&path, text).unwrap();
+    let said = stderr(&clastic(&["sweep", path.to_str().unwrap()]).failure());
+    for told in [
+        "study.ron:2:15: missing comma;",
+        "study.ron:3:5: titel: unknown field `titel`; did you mean `title`?",
+        "study.ron:5:33: settings.strength: `strength` is given twice; give it once",
+    ] {
+        assert!(said.contains(told), "{told}: {said}");
     }
 }
 

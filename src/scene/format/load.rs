@@ -8,7 +8,6 @@ use super::{
     Analysis, CellControl, CellTarget, Motion, ParticleControl, Record, Select, Sides, Stop,
     WallControl,
 };
-use crate::scene::unique_keys;
 
 /// Factors in the course of a stage, linear between points and constant after the last. The first
 /// number of a point is that of a [`WallControl::Follow`]. Without points the factor on gravity and
@@ -50,7 +49,7 @@ pub struct Load {
     pub scale: Scale,
     /// Control of walls by name. A wall without an entry keeps its load if it is loaded, and
     /// otherwise stays where it is.
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    #[serde(default)]
     pub walls: BTreeMap<String, WallControl>,
     /// Walls that are removed at the start.
     #[serde(default)]
@@ -64,14 +63,14 @@ pub struct Load {
     /// Rigid groups by name. An entry with `select` makes a group, an entry without it controls a
     /// group that exists. A group without an entry keeps its loads, and stands still along the
     /// degrees of freedom that were held or driven.
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    #[serde(default)]
     pub rigid: BTreeMap<String, RigidControl>,
     /// Rigid groups that end at the start: their members move on their own.
     #[serde(default)]
     pub release: Vec<String>,
     /// Flexible membranes by name. The first entry of a name makes a membrane, later ones change its
     /// pressure. A membrane without an entry keeps its pressure.
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    #[serde(default)]
     pub membranes: BTreeMap<String, MembraneControl>,
     /// Membranes that are removed at the start.
     #[serde(default)]

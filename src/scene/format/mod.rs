@@ -36,8 +36,6 @@ pub use clastic_components::observation::{
 };
 pub use clastic_components::wall::WallSlide as Slide;
 
-use super::unique_keys;
-
 pub use analysis::{Analysis, FrictionLaw, Solver};
 pub use cell::{Cell, CellControl, CellTarget};
 pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
@@ -65,7 +63,7 @@ pub struct Scene {
     pub title: String,
     /// Values with names, which stand for numbers of the scene. The text has their values in place
     /// of the names before it is read.
-    #[serde(default, rename = "let", deserialize_with = "unique_keys::deserialize")]
+    #[serde(default, rename = "let")]
     pub values: BTreeMap<String, f64>,
     /// Out-of-plane thickness h, m.
     #[serde(default = "one")]
@@ -89,7 +87,6 @@ pub struct Scene {
     #[serde(default)]
     pub acceptance: Acceptance,
     /// Particle materials by name.
-    #[serde(deserialize_with = "unique_keys::deserialize")]
     pub materials: BTreeMap<String, Material>,
     /// The particles.
     pub specimen: Specimen,
@@ -104,10 +101,10 @@ pub struct Scene {
     pub bonds: Vec<ExplicitBond>,
     /// Names under which the history records particles, by index, for specimens that do not list
     /// particles one by one.
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    #[serde(default)]
     pub probes: BTreeMap<String, u32>,
     /// Named groups of particles, for selections.
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    #[serde(default)]
     pub groups: BTreeMap<String, Select>,
     /// Periodic cell of the specimen, instead of walls.
     pub cell: Option<Cell>,

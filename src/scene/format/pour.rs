@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Analysis, Load, ParticleControl, Record, RigidControl, Sizes, Stop, WallControl};
-use crate::scene::unique_keys;
 
 /// A loading stage in which grains come in through an opening.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -144,7 +143,7 @@ as_written! {
         sizes: Sizes,
         seed: u64,
         material: Option<String>,
-        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        #[serde(default)]
         minerals: BTreeMap<String, f64>,
         #[serde(default)]
         velocity: (f64, f64),
@@ -153,7 +152,7 @@ as_written! {
     load {
         analysis: Option<Analysis>,
         gravity: Option<(f64, f64)>,
-        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        #[serde(default)]
         walls: BTreeMap<String, WallControl>,
         #[serde(default)]
         remove_walls: Vec<String>,
@@ -161,7 +160,7 @@ as_written! {
         add_walls: Vec<String>,
         #[serde(default)]
         particles: Vec<ParticleControl>,
-        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        #[serde(default)]
         rigid: BTreeMap<String, RigidControl>,
         #[serde(default)]
         release: Vec<String>,

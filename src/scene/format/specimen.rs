@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::Select;
-use crate::scene::unique_keys;
 
 /// Source of the particles.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -60,7 +59,7 @@ pub enum Specimen {
         path: String,
         /// Materials of the scene by the names that they have in the state. A name that is left out
         /// stays.
-        #[serde(default, deserialize_with = "unique_keys::deserialize")]
+        #[serde(default)]
         materials: BTreeMap<String, String>,
     },
 }

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use super::{Analysis, Bond, Compact, Load, Pour, Record, Select};
-use crate::scene::unique_keys;
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
 /// after the other, with `.1`, `.2` and so on after their names.
@@ -130,7 +129,7 @@ pub struct CustomStage {
     /// Gravity, m/s^2; that of the scene if left out.
     pub gravity: Option<(f64, f64)>,
     /// Parameters of the plugin, by name.
-    #[serde(default, deserialize_with = "unique_keys::deserialize")]
+    #[serde(default)]
     pub values: BTreeMap<String, f64>,
     /// Recording.
     #[serde(default)]

@@ -113,8 +113,11 @@ impl<'a> de::MapAccess<'a> for Fields<'_, 'a> {
         }
         if field.is_none() {
             let absent = |field: &&&str| {
-                let is_absent = self.reader.is_made_up() || cx.absent.contains(&join(path, field));
-                is_absent && !self.given.contains(field)
+                let is_made_up = || {
+                    let is_absent = !cx.absent.is_empty() && cx.absent.contains(&join(path, field));
+                    self.reader.is_made_up() || is_absent
+                };
+                !self.given.contains(field) && is_made_up()
             };
             field = self.allowed.iter().find(absent).copied();
             self.value = None;

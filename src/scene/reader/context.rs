@@ -101,8 +101,8 @@ impl Failure {
         self
     }
 
-    /// Path and finding of a missing field.
-    pub fn placed(&self) -> Option<(String, Placed)> {
+    /// Path and finding of a missing field, if that is why.
+    pub fn missing_field(&self) -> Option<(String, Placed)> {
         let (path, at) = self.place.as_ref()?;
         let field = self.field?;
         let path = join(path, field);

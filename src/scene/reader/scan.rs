@@ -1,17 +1,15 @@
 //! A tolerant scanner of RON text, which finds the shape and place of all values but not their
 //! meaning: the [tree](super::tree).
 //!
-//! It knows no types and therefore reads texts that `ron` refuses. It also keeps the place of each
-//! value, which `ron` does not. Small mistakes (a missing comma, `=` instead of `:`) are recorded,
-//! and the scan continues.
+//! It knows no types, and keeps the place of each value for messages. Small mistakes (a missing
+//! comma, `=` instead of `:`) are recorded, and the scan continues.
 
 use super::expression::{is_function, number_length};
 use super::tree::{Entry, Key, Node, Shape, Span};
 use super::units::is_unit;
 use crate::scene::diagnostic::{Finding, Placed};
 
-/// Maximum nesting. Deeper nesting is refused, as in `ron`, because recursion could overflow the
-/// stack.
+/// Maximum nesting. Deeper nesting is refused because recursion could overflow the stack.
 const DEEPEST: usize = 128;
 
 /// Scans a text. Returns all faults, and the value unless a fault prevents it.
@@ -52,8 +50,8 @@ impl<'t> Scanner<'t> {
         let root = self.value()?;
         self.blank()?;
         if let Some(c) = self.peek() {
-            let message = format!("`{c}` after the end of the scene");
-            self.faults.push(fault(self.at, message, "a scene is one value: check the brackets"));
+            let message = format!("`{c}` after the end");
+            self.faults.push(fault(self.at, message, "a file has one value: check the brackets"));
         }
         Ok(root)
     }

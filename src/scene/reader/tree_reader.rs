@@ -8,7 +8,7 @@ use serde::de::{self, DeserializeOwned, Visitor};
 use super::access::{Items, Pairs, Variant};
 use super::context::{Context, Failure};
 use super::tree::{Entry, Node, Shape};
-use super::{suggest, units};
+use super::{suggest, units, verbatim};
 use crate::scene::values;
 
 /// See [`Shape::MadeUp`].
@@ -159,6 +159,17 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         }
     }
 
+    fn deserialize_newtype_struct<V: Visitor<'de>>(
+        self,
+        name: &'static str,
+        visitor: V,
+    ) -> Result<V::Value, Failure> {
+        if name == verbatim::NAME {
+            return visitor.visit_str(self.cx.literal(self.node));
+        }
+        visitor.visit_newtype_struct(self)
+    }
+
     fn deserialize_seq<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
         if !self.is_made_up() && self.node.shape != Shape::List {
             return self.expected("a list `[...]`").deserialize_seq(visitor);
@@ -253,7 +264,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
     }
 
     serde::forward_to_deserialize_any! {
-        i8 i16 i32 i64 u8 u16 f32 char bytes byte_buf unit unit_struct newtype_struct
+        i8 i16 i32 i64 u8 u16 f32 char bytes byte_buf unit unit_struct
         tuple_struct identifier ignored_any
     }
 }

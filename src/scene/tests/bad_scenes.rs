@@ -84,7 +84,7 @@ fn syntax() {
             "    ],
 ) )
 ",
-            "25:3: `)` after the end of the scene; a scene is one value: check the brackets",
+            "25:3: `)` after the end; a file has one value: check the brackets",
         ),
     ]);
 }

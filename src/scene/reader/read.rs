@@ -1,0 +1,58 @@
+//! Reading of a text into a type of serde.
+
+use std::path::Path;
+
+use serde::de::DeserializeOwned;
+
+use super::context::{Context, Notes};
+use super::scan::scan;
+use super::tree_reader::Reader;
+use crate::scene::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
+use crate::scene::edited::EditedText;
+use crate::scene::values;
+
+/// With more mistakes than this the meaning of the text is not examined.
+const ENOUGH: usize = 1000;
+
+/// Reads the text of a file that has no mistakes.
+///
+/// # Errors
+/// All mistakes.
+pub(crate) fn read_sound<T: DeserializeOwned>(text: &str, file: &Path) -> Result<T, SceneErrors> {
+    let (value, Notes { placed, .. }) = read(text);
+    let sound = value.filter(|_| placed.is_empty());
+    sound.ok_or_else(|| SceneErrors::new(file, &EditedText::of(text), placed))
+}
+
+/// Reads a text. Returns its meaning with what the reading has recorded: if that has mistakes, the
+/// probable meaning, as far as it can be determined.
+pub(in crate::scene) fn read<T: DeserializeOwned>(text: &str) -> (Option<T>, Notes) {
+    let (root, faults) = scan(text);
+    let Some(root) = root else {
+        return (None, Notes { placed: faults, ..Notes::default() });
+    };
+    // A missing field stops serde. It is recorded and made up, and the text is read again.
+    let mut missing: Vec<Placed> = Vec::new();
+    let mut absent: Vec<String> = Vec::new();
+    let values = values::names(&root);
+    loop {
+        let cx = Context::new(text, &absent, &values);
+        let value = T::deserialize(Reader::new(&cx, &root, String::new()));
+        let mut notes = cx.into_notes();
+        if let Err(failure) = &value {
+            if let Some((path, placed)) = failure.missing_field()
+                && missing.len() <= MAX_SHOWN
+            {
+                missing.push(placed);
+                absent.push(path);
+                continue;
+            }
+            let at = root.span.start;
+            notes.placed.push(Placed { at, finding: Finding::new("", failure.to_string(), "") });
+        }
+        let value = value.ok().filter(|_| notes.placed.len() <= ENOUGH);
+        notes.placed = faults.into_iter().chain(missing).chain(notes.placed).collect();
+        notes.made_up.extend(absent);
+        return (value, notes);
+    }
+}
