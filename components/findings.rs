@@ -137,6 +137,9 @@ pub struct Corrections {
     /// What solving the increment again about its own end would move, over its own motion. `None`
     /// where contacts slide.
     pub idle_motion: Option<f64>,
+    /// Whether the increment needs passes: with the geometry of its start it ends elsewhere, or loses
+    /// or gains energy.
+    pub needed: bool,
     /// Whether the passes ended without agreement.
     pub capped: bool,
     /// The guesses of the end so far.

@@ -40,7 +40,7 @@ fn after(loaded: &LoadedScene, increments: usize, threads: usize) -> Left {
         assert_eq!(records.len(), increments);
         let program = simulation.world().resource::<ConeProgram>();
         let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
-        let matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
+        let matrix = BodyMatrix::new(program.bodies.len(), &pairs);
         assert!(matrix.branches().len() > 4, "nothing to do for a fifth thread");
         let history = simulation.world().resource::<ContactHistory>().clone();
         (records, states(&mut simulation), history)

@@ -111,8 +111,7 @@ fn paths(scenes: &Scenes) -> Result<Table, BenchError> {
         }
         let program = simulation.world().resource::<ConeProgram>();
         let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
-        let matrix = BodyMatrix::new(program.bodies.len(), &pairs)
-            .ok_or_else(|| BenchError::Run("threads: no matrix".to_owned()))?;
+        let matrix = BodyMatrix::new(program.bodies.len(), &pairs);
         let (alone, shared) = (matrix.longest_path(1), matrix.longest_path(16));
         table.rows.push(vec![
             program.bodies.len().into(),

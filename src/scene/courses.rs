@@ -1,14 +1,16 @@
 //! Expressions in place of the points of a table: `Follow(Force(2 * load * s))`.
 //!
-//! The text gets their values at the ends of the increments of the stage before it is read, so that
-//! the rest of the program knows tables only. Messages keep the place of the expression.
+//! The tree gets their values at the ends of the increments of the stage before it is read, so that
+//! the rest of the program knows tables only. Points have the place of the expression.
 
 use std::collections::BTreeSet;
+use std::iter::once;
 
 use super::diagnostic::{Finding, Placed};
 use super::expression::{Expression, parse};
 use super::spans::{join, unwrapped};
-use super::tree::{Node, Shape, Span};
+use super::suggest;
+use super::tree::{Node, Shape};
 use super::units;
 use super::values::{a_number, help, is_name};
 
@@ -17,20 +19,20 @@ use super::values::{a_number, help, is_name};
 pub(super) const MOST: f64 = 1e6;
 
 /// A table that is given by an expression, or by two in a displacement.
-pub(super) struct Course<'t> {
+pub(super) struct Course<'n, 't> {
     /// Path of the table.
     pub path: String,
     /// The expressions.
-    pub parts: Vec<Part<'t>>,
+    pub parts: Vec<Part<'n, 't>>,
     /// Unit of the values.
     pub unit: &'static str,
-    stage: Stage<'t>,
+    stage: Stage<'n, 't>,
 }
 
 /// An expression of a table.
-pub(super) struct Part<'t> {
+pub(super) struct Part<'n, 't> {
     /// Its value in the tree.
-    pub node: &'t Node,
+    pub node: &'n Node<'t>,
     /// Its path.
     pub path: String,
     /// The expression; `None` if it cannot be parsed.
@@ -39,18 +41,18 @@ pub(super) struct Part<'t> {
 
 /// What a course needs of its stage.
 #[derive(Clone)]
-struct Stage<'t> {
-    increments: Option<&'t Node>,
+struct Stage<'n, 't> {
+    increments: Option<&'n Node<'t>>,
     /// Time step. It is there in a dynamic stage only.
-    dt: Option<&'t Node>,
+    dt: Option<&'n Node<'t>>,
     /// Numbers of repetitions of the stages around it.
-    times: Vec<&'t Node>,
+    times: Vec<&'n Node<'t>>,
 }
 
 /// A table with points in place of its expressions.
-pub(super) struct Sampled {
-    /// Texts for the expressions.
-    pub texts: Vec<(Span, String)>,
+pub(super) struct Sampled<'t> {
+    /// The list of points.
+    pub points: Node<'t>,
     /// Number of increments.
     pub increments: f64,
     /// Mistakes in the expressions. The points are made up if there are any.
@@ -58,55 +60,55 @@ pub(super) struct Sampled {
 }
 
 /// Finds the tables that are given by expressions.
-pub(super) fn find<'t>(root: &'t Node, text: &'t str) -> Vec<Course<'t>> {
+pub(super) fn find<'n, 't>(root: &'n Node<'t>) -> Vec<Course<'n, 't>> {
     let mut courses = Vec::new();
     if let Some(stages) = root.field("stages") {
-        see(stages, text, "stages", (root.field("analysis"), &[]), &mut courses);
+        see(stages, "stages", (root.field("analysis"), &[]), &mut courses);
     }
     courses
 }
 
-fn see<'t>(
-    list: &'t Node,
-    text: &'t str,
+fn see<'n, 't>(
+    list: &'n Node<'t>,
     path: &str,
-    (analysis, times): (Option<&'t Node>, &[&'t Node]),
-    courses: &mut Vec<Course<'t>>,
+    (analysis, times): (Option<&'n Node<'t>>, &[&'n Node<'t>]),
+    courses: &mut Vec<Course<'n, 't>>,
 ) {
     for (k, entry) in list.entries.iter().enumerate() {
         let path = format!("{path}[{k}]");
         let stage = unwrapped(&entry.value);
         if let Some(stages) = stage.field("stages") {
             let times: Vec<_> = times.iter().copied().chain(stage.field("times")).collect();
-            see(stages, text, &join(&path, "stages"), (analysis, &times), courses);
+            see(stages, &join(&path, "stages"), (analysis, &times), courses);
             continue;
         }
-        let own = stage.field("analysis").filter(|node| node.literal(text) != "None");
+        let own = stage.field("analysis").filter(|node| node.literal != "None");
         let dt = own.or(analysis).and_then(|node| unwrapped(node).field("dt"));
         let of = Stage { increments: stage.field("increments"), dt, times: times.to_vec() };
         let entries = |name| stage.field(name).map_or(&[][..], |value| &value.entries);
-        let mut add = |path: String, nodes: &[&'t Node], unit| {
-            let part = |(j, node): (usize, &&'t Node)| {
+        let mut add = |path: String, nodes: &[&'n Node<'t>], unit| {
+            let part = |(j, node): (usize, &&'n Node<'t>)| {
                 let path = if nodes.len() == 1 { path.clone() } else { format!("{path}[{j}]") };
-                Part { node, path, expression: parse(node.literal(text)).ok() }
+                Part { node, path, expression: parse(node.literal).ok() }
             };
-            if nodes.iter().all(|node| stands(node, text)) {
+            if nodes.iter().all(|node| stands(node)) {
                 let parts = nodes.iter().enumerate().map(part).collect();
                 courses.push(Course { path, parts, unit, stage: of.clone() });
             }
         };
         for entry in entries("scale") {
             let Some(key) = &entry.key else { continue };
-            if ["gravity", "strength", "loads"].contains(&key.text.as_str()) {
+            // A misspelt name has a message of its own.
+            if suggest::nearest(&key.text, ["gravity", "strength", "loads"]).is_some() {
                 add(join(&join(&path, "scale"), &key.text), &[&entry.value], "");
             }
         }
         for entry in entries("walls") {
-            let is_followed = entry.value.variant(text) == Some("Follow");
+            let is_followed = entry.value.name == Some("Follow");
             let Some(key) = entry.key.as_ref().filter(|_| is_followed) else { continue };
             let path = join(&join(&path, "walls"), &key.text);
             let table = unwrapped(&entry.value);
-            match (table.variant(text).unwrap_or_default(), &table.entries[..]) {
+            match (table.name.unwrap_or_default(), &table.entries[..]) {
                 ("Displacement", [x, y]) => add(path, &[&x.value, &y.value], "m"),
                 ("Force", [force]) => add(path, &[&force.value], "N"),
                 (name @ ("Stress" | "Rotation"), _) => {
@@ -123,15 +125,15 @@ fn see<'t>(
 }
 
 /// Whether a value can be an expression.
-fn stands(node: &Node, text: &str) -> bool {
+fn stands(node: &Node) -> bool {
     match node.shape {
         Shape::Number | Shape::Expression => true,
-        Shape::Word => node.literal(text) == "pi" || is_name(node.literal(text)),
+        Shape::Word => node.literal == "pi" || is_name(node.literal),
         _ => false,
     }
 }
 
-impl Course<'_> {
+impl<'t> Course<'_, 't> {
     /// Names that have a value in every increment.
     pub fn names(&self) -> &'static [&'static str] {
         if self.stage.dt.is_some() { &["s", "t"] } else { &["s"] }
@@ -141,19 +143,18 @@ impl Course<'_> {
     /// number of points that the scene may still have.
     pub fn sample(
         &self,
-        text: &str,
         names: &[String],
         of: &impl Fn(&str) -> Option<f64>,
         left: &mut f64,
-    ) -> Sampled {
-        let number = |node: &Node| parse(node.literal(text)).ok()?.value(of);
+    ) -> Sampled<'t> {
+        let number = |node: &Node| parse(node.literal).ok()?.value(of);
         // Wrong numbers of increments and time steps have messages of their own.
         let increments = self.stage.increments.and_then(number);
         let increments = increments.filter(|n| n.fract() == 0.0 && *n >= 1.0).unwrap_or(1.0);
         let dt = self.stage.dt.map(|node| number(node).filter(|dt| *dt > 0.0).unwrap_or(1.0));
         let times = self.stage.times.iter().map(|node| number(node).unwrap_or(1.0));
         *left -= (increments + 1.0) * times.product::<f64>();
-        let mut points: Vec<String> = Vec::new();
+        let mut points: Vec<Vec<f64>> = Vec::new();
         let mut findings = Vec::new();
         if *left < 0.0 {
             let message = format!("expressions stand for more than {MOST} points");
@@ -161,7 +162,7 @@ impl Course<'_> {
             findings.push(Finding::new(&self.path, message, help));
         }
         for part in &self.parts {
-            let finding = self.mistake(part, text, names);
+            let finding = self.mistake(part, names);
             findings.extend(finding.map(|(message, help)| Finding::new(&part.path, message, help)));
         }
         let mut k = 0.0;
@@ -172,51 +173,47 @@ impl Course<'_> {
                 "t" if t.is_some() => t,
                 _ => of(name),
             };
-            let mut point = format!("({:?}", t.unwrap_or(s));
+            let mut point = vec![t.unwrap_or(s)];
             for Part { node, path, expression } in &self.parts {
                 let value = expression.as_ref().and_then(|expression| expression.value(&of));
                 let value = value.unwrap_or(f64::NAN);
                 if !value.is_finite() {
-                    let literal = node.literal(text);
+                    let literal = node.literal;
                     let message = format!("`{literal}` has no finite value at s = {s} ({value})");
                     let help = "it needs one from s = 0, the start of the stage, to s = 1, its end";
                     findings.push(Finding::new(path, message, help));
                 }
-                point += &format!(", {value:?}");
+                point.push(value);
             }
-            points.push(point + ")");
+            points.push(point);
             k += 1.0;
         }
         if !findings.is_empty() {
-            let zeros = ", 0.0".repeat(self.parts.len());
-            points = vec![format!("(0.0{zeros})"), format!("(1.0{zeros})")];
+            points = [0.0, 1.0].map(|x| [vec![x], vec![0.0; self.parts.len()]].concat()).to_vec();
         }
-        // A comma stands between the two expressions of a displacement: the first has one point.
-        let (first, rest) = points.split_at(1);
-        let texts = match &self.parts[..] {
-            [x, y] => vec![
-                (x.node.span.clone(), format!("[{}", first[0])),
-                (y.node.span.clone(), format!("{}]", rest.join(", "))),
-            ],
-            parts => vec![(parts[0].node.span.clone(), format!("[{}]", points.join(", ")))],
-        };
-        Sampled { texts, increments, findings }
+        let Part { node: first, .. } = &self.parts[0];
+        let nodes = || once(first).chain(self.parts.iter().map(|part| &part.node));
+        let points = points.iter().map(|point| {
+            let numbers = nodes().zip(point).map(|(node, x)| node.as_number(&format!("{x:?}")));
+            first.as_group(Shape::Tuple, numbers)
+        });
+        let points = first.as_group(Shape::List, points);
+        Sampled { points, increments, findings }
     }
 
     /// What is wrong with an expression, apart from its unit and its values, and the remedy.
     fn mistake(
         &self,
         Part { node, expression, .. }: &Part,
-        text: &str,
         names: &[String],
     ) -> Option<(String, String)> {
-        let literal = node.literal(text);
+        let literal = node.literal;
         let message = format!("expected {}, found `{literal}`", a_number(self.unit));
         let Some(expression) = expression else {
             let with_unit = units::split(literal).filter(|_| node.shape == Shape::Number);
             let help = match with_unit {
                 Some((value, of)) => units::help(value, of, Some(self.unit)),
-                None => help(node, text, names, Some(self.unit)),
+                None => help(node, names, Some(self.unit)),
             };
             return Some((message, help));
         };
@@ -229,7 +226,7 @@ impl Course<'_> {
         }
         let help = match names {
             [] => format!("give `{word}` a number in `let`"),
-            _ => help(node, text, names, Some(self.unit)),
+            _ => help(node, names, Some(self.unit)),
         };
         Some((message, format!("{help}; {s}")))
     }

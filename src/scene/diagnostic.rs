@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use super::edited::EditedText;
 use super::shown::brief;
-use super::spans::Spans;
+use super::spans::nearest;
+use super::tree::Node;
 
 /// Maximum number of diagnostics that are shown.
 pub const MAX_SHOWN: usize = 20;
@@ -112,17 +113,13 @@ pub(super) struct Placed {
     pub finding: Finding,
 }
 
-/// Assigns findings to places in a text. `renamed` contains the misspelt fields of the text: the
+/// Assigns findings to places in a tree. `renamed` contains the misspelt fields of the text: the
 /// correct path and the path as written, outer fields first.
 pub(super) fn place(
-    text: &str,
+    root: &Node,
     findings: Vec<Finding>,
     renamed: &[(String, String)],
 ) -> Vec<Placed> {
-    if findings.is_empty() {
-        return Vec::new();
-    }
-    let spans = Spans::of(text);
     let written = |path: &str| {
         renamed.iter().rev().fold(path.to_owned(), |path, (meant, written)| {
             let rest = path.strip_prefix(meant).filter(|_| within(&path, meant));
@@ -132,7 +129,7 @@ pub(super) fn place(
     findings
         .into_iter()
         .map(|finding| {
-            let at = spans.nearest(&written(&finding.path), finding.at_key);
+            let at = nearest(root, &written(&finding.path), finding.at_key);
             Placed { at, finding }
         })
         .collect()

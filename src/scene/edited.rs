@@ -24,18 +24,17 @@ pub struct Source<'a> {
 #[derive(Clone, Debug)]
 struct Piece {
     length: usize,
-    /// Byte of the file where the piece begins, or where it was put in.
+    /// Byte of the file where the piece begins.
     at: usize,
-    /// Whether it was put in. All of it then comes from one byte of the file.
-    is_new: bool,
+    /// The setting that inserted it. All of it then comes from one byte of the file.
     set: Option<String>,
 }
 
 impl Piece {
     /// Splits the piece.
     fn split(self, length: usize) -> [Self; 2] {
-        let at = self.at + if self.is_new { 0 } else { length };
-        let rest = Self { length: self.length - length, at, set: self.set.clone(), ..self };
+        let at = self.at + if self.set.is_some() { 0 } else { length };
+        let rest = Self { length: self.length - length, at, set: self.set.clone() };
         [Self { length, ..self }, rest]
     }
 }
@@ -43,7 +42,7 @@ impl Piece {
 impl EditedText {
     /// A text without settings.
     pub fn of(file: &str) -> Self {
-        let pieces = vec![Piece { length: file.len(), at: 0, is_new: false, set: None }];
+        let pieces = vec![Piece { length: file.len(), at: 0, set: None }];
         Self { text: file.to_owned(), file: file.to_owned(), pieces }
     }
 
@@ -54,19 +53,9 @@ impl EditedText {
 
     /// Replaces a span of the text by the text of a setting.
     pub(super) fn replace(&mut self, span: Span, new: &str, set: &str) {
-        self.put(span, new, Some(set.to_owned()));
-    }
-
-    /// Replaces a span of the text by what it stands for. The source stays that of the span.
-    pub(super) fn put_in(&mut self, span: Span, new: &str) {
-        let set = self.source(span.start).set.map(str::to_owned);
-        self.put(span, new, set);
-    }
-
-    fn put(&mut self, span: Span, new: &str, set: Option<String>) {
         let at = self.source(span.start).at;
         self.text.replace_range(span.clone(), new);
-        let piece = Piece { length: new.len(), at, is_new: true, set };
+        let piece = Piece { length: new.len(), at, set: Some(set.to_owned()) };
         let cuts = self.cut(span.start)..self.cut(span.end);
         self.pieces.splice(cuts, Some(piece).filter(|piece| piece.length > 0));
     }
@@ -91,7 +80,7 @@ impl EditedText {
         let mut start = 0;
         for piece in &self.pieces {
             if at < start + piece.length {
-                let inside = if piece.is_new { 0 } else { at - start };
+                let inside = if piece.set.is_some() { 0 } else { at - start };
                 return Source { at: piece.at + inside, set: piece.set.as_deref() };
             }
             start += piece.length;

@@ -12,6 +12,7 @@ use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
 use super::reader::read;
 use super::repeats::Written;
+use super::scan::scan;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
 use super::validate::findings;
@@ -172,12 +173,16 @@ fn from_text(
 ) -> Result<LoadedScene, LoadError> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let edited = apply(text, sets).map_err(LoadError::Set)?;
-    let Values { text: read_text, findings: misused, tables, made_up: no_values } =
-        values::put_in(&edited);
-    let text = read_text.text.as_str();
-    let (mut scene, Notes { mut placed, mut made_up, renamed }) = read::read::<Scene>(text);
+    let (root, mut placed) = scan(&edited.text);
+    let Some(mut root) = root else {
+        return Err(LoadError::Scene(SceneErrors::new(name, &edited, placed)));
+    };
+    let Values { placed: misused, tables, made_up: no_values } = values::put_in(&mut root);
+    let (mut scene, notes) = read::read::<Scene>(&root);
+    let Notes { placed: misread, mut made_up, renamed } = notes;
     made_up.extend(no_values);
-    placed.extend(place(text, misused, &renamed));
+    placed.extend(misused);
+    placed.extend(misread);
     let mut csv_errors = None;
     let mut specimen = None;
     if let Some(scene) = &mut scene {
@@ -204,16 +209,16 @@ fn from_text(
         }
         found.extend(findings(scene, specimen.as_ref(), &unsure));
         found.extend(further(scene));
-        let written = Written::of(text);
+        let written = Written::of(&root);
         let mut found = written.place(found);
         found.extend(written.findings);
         found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
-        placed.extend(gather(place(text, found, &renamed), &tables));
+        placed.extend(gather(place(&root, found, &renamed), &tables));
     }
-    if let Some(error) = addressed_nothing(&read_text, &placed) {
+    if let Some(error) = addressed_nothing(&edited, &placed) {
         return Err(LoadError::Set(error));
     }
-    let mut errors = SceneErrors::new(name, &read_text, placed);
+    let mut errors = SceneErrors::new(name, &edited, placed);
     if let Some(csv) = csv_errors {
         errors.list.extend(csv.list);
         errors.omitted += csv.omitted;

@@ -7,7 +7,6 @@
 
 use std::fmt;
 
-use super::context::Notes;
 use super::diagnostic::Finding;
 use super::edited::EditedText;
 use super::format::Scene;
@@ -65,7 +64,7 @@ fn apply_one(mut edited: EditedText, set: &str) -> Result<EditedText, SetError> 
     };
     let text = edited.text.as_str();
     let Some(root) = scan(text).0 else { return Ok(edited) };
-    let place = Place::find(&root, text, &steps).map_err(|help| error("no such field", help))?;
+    let place = Place::find(&root, &steps).map_err(|help| error("no such field", help))?;
 
     let (plain, quoted) = (place.with(value), place.with(&format!("{value:?}")));
     let refusal = if is_one_value(value) {
@@ -100,8 +99,8 @@ struct Place {
 
 impl Place {
     /// Place of a field, or help that names the existing fields.
-    fn find(root: &Node, text: &str, steps: &[Step]) -> Result<Self, String> {
-        let found = descend(root, text, steps);
+    fn find(root: &Node, steps: &[Step]) -> Result<Self, String> {
+        let found = descend(root, steps);
         let Some(next) = steps.get(found.depth) else {
             let span = found.node.span.clone();
             return Ok(Self { span, before: String::new(), after: String::new() });
@@ -117,7 +116,7 @@ impl Place {
             return Ok(Self { span: at..at, before: comma.to_owned(), after: String::new() });
         }
         let names: Option<Vec<&str>> = absent.iter().map(name_of).collect();
-        let no_field = || nearest_paths(parent, text, &steps[..found.depth], next);
+        let no_field = || nearest_paths(parent, &steps[..found.depth], next);
         let names = names.ok_or_else(no_field)?;
         // A new entry of a map must be complete. Otherwise a misspelt name would create a second
         // entry.
@@ -147,10 +146,13 @@ impl Place {
     fn refusal(&self, text: &str, new: &str) -> Option<Finding> {
         let mut edited = text.to_owned();
         edited.replace_range(self.span.clone(), new);
-        let read_text = values::put_in(&EditedText::of(&edited)).text;
+        let (root, mut placed) = scan(&edited);
+        if let Some(mut root) = root {
+            values::put_in(&mut root);
+            placed.extend(read::<Scene>(&root).1.placed);
+        }
         let span = self.span.start..self.span.start + new.len();
-        let (_, Notes { mut placed, .. }) = read::<Scene>(&read_text.text);
-        placed.retain(|placed| span.contains(&read_text.source(placed.at).at));
+        placed.retain(|placed| span.contains(&placed.at));
         Some(placed.into_iter().min_by_key(|placed| placed.at)?.finding)
     }
 }
@@ -163,13 +165,13 @@ fn name_of(step: &Step) -> Option<&str> {
 }
 
 /// Help that names the existing paths that are nearest to a missing one.
-fn nearest_paths(parent: &Node, text: &str, path: &[Step], next: &Step) -> String {
+fn nearest_paths(parent: &Node, path: &[Step], next: &Step) -> String {
     let path = write_path(path);
     if !is_group(parent) || parent.entries.is_empty() {
-        let value = parent.literal(text);
+        let value = parent.literal;
         return format!("`{path}` is `{value}`, which has no fields");
     }
-    let name = |(i, entry): (usize, &Entry)| match (&entry.key, item_name(&entry.value, text)) {
+    let name = |(i, entry): (usize, &Entry)| match (&entry.key, item_name(&entry.value)) {
         (Some(key), _) => Step::Name(key.text.clone()),
         (None, Some(name)) if parent.shape == Shape::List => Step::Name(name),
         _ => Step::Index(i),

@@ -3,9 +3,12 @@
 
 use super::diagnostic::Finding;
 use super::format::MAX_STAGES;
-use super::scan::scan;
-use super::spans::unwrapped;
-use super::tree::{Node, Shape};
+use super::spans::{join, unwrapped};
+use super::tree::{Entry, Node, Shape};
+
+fn is_repeat(entry: &Entry) -> bool {
+    entry.value.name == Some("Repeat")
+}
 
 /// Places of the stages in a text.
 #[derive(Default)]
@@ -17,37 +20,38 @@ pub(super) struct Written {
 }
 
 impl Written {
-    /// Reads the places from a text.
-    pub fn of(text: &str) -> Self {
+    /// Reads the places from a tree.
+    pub fn of(root: &Node) -> Self {
         let mut written = Self::default();
-        if !text.contains("Repeat") {
+        let Some(list) = root.field("stages").filter(|list| list.entries.iter().any(is_repeat))
+        else {
             return written;
-        }
-        let Some(root) = scan(text).0 else { return written };
-        let stages = root.field("stages");
-        let Some(list) = stages.filter(|list| list.shape == Shape::List) else { return written };
-        written.see(list, text, "stages");
+        };
+        written.see(list, "stages");
         if written.paths.len() > MAX_STAGES {
+            let last = written.paths.last().map_or("", String::as_str);
+            let path = last
+                .split_once(".stages")
+                .map_or("stages".to_owned(), |(repeat, _)| join(repeat, "times"));
             let message = format!("more than {MAX_STAGES} stages");
-            let help = "give fewer `times` to `Repeat`";
-            written.findings.push(Finding::new("stages", message, help));
+            written.findings.push(Finding::new(path, message, "repeat them fewer times"));
         }
         written
     }
 
-    fn see(&mut self, list: &Node, text: &str, path: &str) {
+    fn see(&mut self, list: &Node, path: &str) {
         for (k, entry) in list.entries.iter().enumerate() {
             if self.paths.len() > MAX_STAGES {
                 return;
             }
             let path = format!("{path}[{k}]");
-            if entry.value.variant(text) != Some("Repeat") {
+            if !is_repeat(entry) {
                 self.paths.push(path);
                 continue;
             }
             let repeat = unwrapped(&entry.value);
             let times = repeat.field("times");
-            let times = times.and_then(|node| node.literal(text).parse::<u32>().ok());
+            let times = times.and_then(|node| node.value().parse::<u32>().ok());
             if times == Some(0) {
                 let help = "give a number of 1 or more";
                 self.findings.push(Finding::new(format!("{path}.times"), "zero (0)", help));
@@ -64,7 +68,7 @@ impl Written {
             }
             for k in 0..times.unwrap_or(1) {
                 let before = self.findings.len();
-                self.see(stages, text, &format!("{path}.stages"));
+                self.see(stages, &format!("{path}.stages"));
                 // A mistake inside is one mistake, however often it is repeated.
                 if k > 0 {
                     self.findings.truncate(before);

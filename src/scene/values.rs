@@ -1,24 +1,22 @@
 //! `let`: values with names, and expressions with them, which stand for numbers of a scene.
 //!
-//! The text has numbers in place of names and expressions before it is read. Messages keep the
-//! places of the file.
+//! The tree has numbers in place of names and expressions before it is read. Its values keep the
+//! places and the texts of the names and expressions.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::courses;
-use super::diagnostic::Finding;
+use super::courses::{self, Part};
+use super::diagnostic::{Finding, Placed, place};
 use super::dimension::{Dimension, Known, conflict, solve};
-use super::edited::EditedText;
 use super::expression::{Expression, parse};
-use super::scan::scan;
 use super::spans::{is_group, join};
 use super::suggest;
 use super::tree::{Entry, Node, Shape, Span};
 use super::units::{self, unit_of};
 
 /// A place where a name or an expression stands for a number.
-struct Use {
-    span: Span,
+struct Use<'n, 't> {
+    node: &'n Node<'t>,
     path: String,
     expression: Expression,
     unit: Option<&'static str>,
@@ -26,7 +24,7 @@ struct Use {
     own: &'static [&'static str],
 }
 
-impl Use {
+impl Use<'_, '_> {
     /// Whether a name occurs in it.
     fn has(&self, name: &str) -> bool {
         self.expression.names().contains(&name)
@@ -46,7 +44,7 @@ impl Use {
 }
 
 /// The entries of `let`.
-fn defined(root: &Node) -> &[Entry] {
+fn defined<'n, 't>(root: &'n Node<'t>) -> &'n [Entry<'t>] {
     root.field("let").map_or(&[], |defined| &defined.entries)
 }
 
@@ -61,12 +59,26 @@ pub(super) fn names(root: &Node) -> Vec<String> {
     defined_names(root).into_keys().collect()
 }
 
-/// A text with numbers in place of names and expressions.
+/// Names of `let` without a number, once numbers are put in.
+pub(super) fn without_number(root: &Node) -> Vec<String> {
+    let has_number = |node: &Node| ron::from_str::<f64>(node.value()).is_ok();
+    let broken = defined(root).iter().filter(|entry| !has_number(&entry.value));
+    broken.filter_map(|entry| Some(entry.key.as_ref()?.text.clone())).collect()
+}
+
+/// Whether a value has one of these names in place of a number.
+pub(super) fn has_any(node: &Node, names: &[String]) -> bool {
+    let has = |expression: Expression| {
+        expression.names().iter().any(|word| names.iter().any(|name| name == word))
+    };
+    expression(node).is_some_and(has)
+}
+
+/// What names and expressions of a text have come to.
+#[derive(Default)]
 pub(super) struct Values {
-    /// The text.
-    pub text: EditedText,
     /// Mistakes in the use of names and expressions.
-    pub findings: Vec<Finding>,
+    pub placed: Vec<Placed>,
     /// Tables that expressions stood for: path and number of increments.
     pub tables: Vec<(String, f64)>,
     /// Paths of such tables whose points are made up.
@@ -74,38 +86,54 @@ pub(super) struct Values {
 }
 
 /// Puts numbers in place of names and expressions.
-pub(super) fn put_in(edited: &EditedText) -> Values {
-    let text = edited.text.as_str();
-    let mut new = Values {
-        text: edited.clone(),
-        findings: Vec::new(),
-        tables: Vec::new(),
-        made_up: Vec::new(),
-    };
-    let Some(root) = scan(text).0 else { return new };
-    let places = defined_names(&root);
-    let mut uses = Vec::new();
-    walk(&root, text, String::new(), None, &mut uses);
-    let courses = courses::find(&root, text);
-    let parts: BTreeSet<_> =
-        courses.iter().flat_map(|course| &course.parts).map(|part| part.node.span.start).collect();
-    uses.retain(|at| !parts.contains(&at.span.start));
-    for course in &courses {
-        for part in &course.parts {
-            let Some(expression) = part.expression.clone() else { continue };
-            let (span, path) = (part.node.span.clone(), part.path.clone());
-            uses.push(Use { span, path, expression, unit: Some(course.unit), own: course.names() });
+pub(super) fn put_in(root: &mut Node) -> Values {
+    let (values, mut replacements) = replacements(root);
+    replace(root, &mut replacements);
+    values
+}
+
+/// Values by the byte of the first value that each replaces, and the number of values.
+type Replacements<'t> = BTreeMap<usize, (Node<'t>, usize)>;
+
+fn replace<'t>(node: &mut Node<'t>, replacements: &mut Replacements<'t>) {
+    let mut k = 0;
+    while let Some(Entry { value, .. }) = node.entries.get_mut(k) {
+        k += 1;
+        match replacements.remove(&value.span.start) {
+            Some((new, count)) => {
+                *value = new;
+                node.entries.drain(k..k + count - 1);
+            }
+            None => replace(value, replacements),
         }
     }
-    uses.sort_by_key(|at| at.span.start);
+}
+
+fn replacements<'t>(root: &Node<'t>) -> (Values, Replacements<'t>) {
+    let mut values = Values::default();
+    let places = defined_names(root);
+    let mut uses = Vec::new();
+    walk(root, String::new(), None, &mut uses);
+    let courses = courses::find(root);
+    let parts: BTreeSet<_> =
+        courses.iter().flat_map(|course| &course.parts).map(|part| part.node.span.start).collect();
+    uses.retain(|at| !parts.contains(&at.node.span.start));
+    for course in &courses {
+        for Part { node, path, expression } in &course.parts {
+            let Some(expression) = expression.clone() else { continue };
+            let (path, unit) = (path.clone(), Some(course.unit));
+            uses.push(Use { node, path, expression, unit, own: course.names() });
+        }
+    }
+    uses.sort_by_key(|at| at.node.span.start);
     uses.retain(|at| {
         let is_known = |name: &&str| places.contains_key(*name) || at.own.contains(name);
         at.expression.names().iter().all(is_known)
     });
-    new.findings = findings(text, &places, &uses);
-    let numbers = numbers(text, &root, &uses);
+    let mut findings = findings(&places, &uses);
+    let numbers = numbers(root, &uses);
     let value = |name: &str| Some(numbers.get(name)?.0);
-    let mut texts = Vec::new();
+    let mut replacements = Replacements::new();
     for at in uses.iter().filter(|at| at.own.is_empty()) {
         let number = match &at.expression {
             // As it is written: a seed has more digits than a number with a point.
@@ -115,39 +143,39 @@ pub(super) fn put_in(edited: &EditedText) -> Values {
                 None => continue,
             },
         };
-        texts.push((at.span.clone(), number));
+        replacements.insert(at.node.span.start, (at.node.as_number(&number), 1));
     }
     let names: Vec<String> = places.into_keys().collect();
     let mut left = courses::MOST;
     for course in &courses {
-        let sampled = course.sample(text, &names, &value, &mut left);
-        texts.extend(sampled.texts);
+        let sampled = course.sample(&names, &value, &mut left);
+        let first = course.parts[0].node.span.start;
+        replacements.insert(first, (sampled.points, course.parts.len()));
         if !sampled.findings.is_empty() {
-            new.made_up.push(course.path.clone());
+            values.made_up.push(course.path.clone());
         }
-        new.findings.extend(sampled.findings);
-        new.tables.push((course.path.clone(), sampled.increments));
+        findings.extend(sampled.findings);
+        values.tables.push((course.path.clone(), sampled.increments));
     }
-    texts.sort_by_key(|(span, _)| span.start);
-    for (span, number) in texts.into_iter().rev() {
-        new.text.put_in(span, &number);
-    }
-    new
+    values.placed = place(root, findings, &[]);
+    (values, replacements)
 }
 
 /// Values of names, and their texts.
-fn numbers(text: &str, root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
+fn numbers(root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
     let mut numbers = BTreeMap::new();
     loop {
         let before = numbers.len();
         for Entry { key, value } in defined(root) {
             let Some(name) = key.as_ref().map(|key| key.text.clone()) else { continue };
-            let literal = value.literal(text);
             let of = |name: &str| numbers.get(name).map(|(value, _): &(f64, String)| *value);
-            let number = match uses.iter().find(|at| at.span == value.span) {
+            let number = match uses.iter().find(|at| at.node.span == value.span) {
                 Some(at) => at.expression.value(&of).map(|value| (value, value.to_string())),
                 None if value.shape != Shape::Number => None,
-                None => ron::from_str(literal).ok().map(|value| (value, literal.to_owned())),
+                None => {
+                    let number = ron::from_str(value.literal).ok();
+                    number.map(|number| (number, value.literal.to_owned()))
+                }
             };
             if let Some(number) = number.filter(|(value, _)| value.is_finite()) {
                 numbers.insert(name, number);
@@ -159,7 +187,7 @@ fn numbers(text: &str, root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, Stri
     }
 }
 
-fn findings(text: &str, places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Finding> {
+fn findings(places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut known = Known::new();
     let at_key = |path: &str, message: String, help: String| Finding {
@@ -217,8 +245,7 @@ fn findings(text: &str, places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Fi
     solve(&all, &mut known);
     for (at, pairs) in &pairs {
         if let Some(conflict) = pairs.iter().find_map(|pair| conflict(pair, &known)) {
-            let message =
-                format!("`{}`: {conflict}", text.get(at.span.clone()).unwrap_or_default());
+            let message = format!("`{}`: {conflict}", at.node.literal);
             let help = "factors with a unit need names in `let`";
             findings.push(Finding::new(&at.path, message, help));
         }
@@ -230,7 +257,7 @@ fn findings(text: &str, places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Fi
 fn pairs(at: &Use, places: &BTreeMap<String, Span>) -> Vec<[Dimension; 2]> {
     let mut pairs = Vec::new();
     let own = at.expression.dimension(&mut pairs);
-    let name = places.iter().find(|(_, span)| **span == at.span).map(|(name, _)| name);
+    let name = places.iter().find(|(_, span)| **span == at.node.span).map(|(name, _)| name);
     let due = name.map(|name| Dimension::of_name(name)).or_else(|| at.unit.map(Dimension::of_unit));
     if let Some(due) = due.filter(|_| own != Dimension::literal()) {
         pairs.push([own, due]);
@@ -252,10 +279,10 @@ pub(super) fn is_name(name: &str) -> bool {
 }
 
 /// The expression that stands for a number.
-fn expression(node: &Node, text: &str) -> Option<Expression> {
-    let literal = node.literal(text);
-    match node.shape {
-        Shape::Word if is_name(literal) || literal == "pi" => parse(literal).ok(),
+fn expression(node: &Node) -> Option<Expression> {
+    let Node { literal, shape, .. } = node;
+    match shape {
+        Shape::Word if is_name(literal) || *literal == "pi" => parse(literal).ok(),
         Shape::Expression => parse(literal).ok(),
         _ => None,
     }
@@ -263,31 +290,35 @@ fn expression(node: &Node, text: &str) -> Option<Expression> {
 
 /// Collects names and expressions below a value that may stand for numbers. Paths and units are those of the
 /// reader.
-fn walk(node: &Node, text: &str, path: String, unit: Option<&'static str>, uses: &mut Vec<Use>) {
-    if let Some(expression) = expression(node, text) {
-        uses.push(Use { span: node.span.clone(), path, expression, unit, own: &[] });
+fn walk<'n, 't>(
+    node: &'n Node<'t>,
+    path: String,
+    unit: Option<&'static str>,
+    uses: &mut Vec<Use<'n, 't>>,
+) {
+    if let Some(expression) = expression(node) {
+        uses.push(Use { node, path, expression, unit, own: &[] });
         return;
     }
-    let variant = node.variant(text);
-    let inside = variant.map_or(unit, |variant| unit_of(variant, unit));
+    let inside = node.name.map_or(unit, |variant| unit_of(variant, unit));
     for (k, entry) in node.entries.iter().enumerate() {
         match &entry.key {
             Some(key) => {
                 let unit = if node.shape == Shape::Map { None } else { unit_of(&key.text, None) };
-                walk(&entry.value, text, join(&path, &key.text), unit, uses);
+                walk(&entry.value, join(&path, &key.text), unit, uses);
             }
             // The payload of a variant has the path of the variant.
             None if node.name.is_some() && node.entries.len() == 1 && is_group(&entry.value) => {
-                walk(&entry.value, text, path.clone(), inside, uses);
+                walk(&entry.value, path.clone(), inside, uses);
             }
-            None => walk(&entry.value, text, format!("{path}[{k}]"), inside, uses),
+            None => walk(&entry.value, format!("{path}[{k}]"), inside, uses),
         }
     }
 }
 
 /// Help for a word or an expression that stands for no number. `unit` is that of the number.
-pub(super) fn help(node: &Node, text: &str, names: &[String], unit: Option<&str>) -> String {
-    let literal = node.literal(text);
+pub(super) fn help(node: &Node, names: &[String], unit: Option<&str>) -> String {
+    let literal = node.literal;
     let expression = match parse(literal) {
         Ok(expression) if node.shape == Shape::Expression || is_name(literal) => expression,
         Err(help) if node.shape == Shape::Expression => return help,

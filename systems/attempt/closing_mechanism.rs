@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::WallRow;
 use clastic_components::contact_history::DraftHistory;
-use clastic_components::findings::AddedPairs;
+use clastic_components::findings::{AddedPairs, Centre};
 use clastic_components::increment::Acceptance;
 
 use super::closed_pairs::{add, is_listed, unlisted_pairs};
@@ -27,6 +27,7 @@ pub fn judge(
     candidates: Res<CandidatePairs>,
     history: Res<DraftHistory>,
     mut pairs: ResMut<AddedPairs>,
+    mut centre: ResMut<Centre>,
     mut attempt: ResMut<Attempt>,
 ) {
     let solved = tables.get();
@@ -63,7 +64,7 @@ pub fn judge(
         let gaps = closing.iter().map(|(a, b)| start.gap(bodies, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
-        add(&mut pairs, closing.into_iter());
+        add(&mut pairs, &mut centre, closing.into_iter());
         attempt.verdict = Verdict::Again;
     }
 }

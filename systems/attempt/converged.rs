@@ -80,12 +80,11 @@ pub fn judge(
     let in_pass = fails && corrections.passes > 0;
     if in_pass {
         // A guess of the end proves nothing.
-        let is_elastic = corrections.idle_motion.is_some();
         let why = match std::mem::take(&mut attempt.verdict) {
             Verdict::Unconverged(why) => why,
             _ => "one of them has no equilibrium".to_owned(),
         };
-        attempt.verdict = ending::fail(&mut corrections, is_elastic, &why);
+        attempt.verdict = ending::fail(&mut corrections, &why);
     }
     if attempt.verdict != Verdict::Impossible {
         // A solution has a certificate only if it proves a collapse.

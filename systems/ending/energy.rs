@@ -36,11 +36,19 @@ pub fn errors(
     let of_turns: f64 = u.iter().zip(&ending.loads).map(|(u, r)| dot(u, r).abs()).sum();
     let (mut of_misfits, mut taken, mut energy) = (0.0, 0.0, 0.0);
     for (k, (c, f)) in program.interactions.iter().zip(&solution.forces).enumerate() {
-        let [closing, slip] = ending.misfits[k];
-        of_misfits += (f[0] * closing).abs() + (f[1] * slip).abs();
         let e = program.kinematics(c, u);
         let compliance = [c.normal_compliance, c.tangential_compliance, c.rolling_compliance];
         let gives_way = [false, c.limits.slides(f), c.limits.rolls(f)];
+        for (i, misfit) in ending.misfits[k].into_iter().enumerate() {
+            of_misfits += (f[i] * misfit).abs();
+            // What a spring stores besides: at an impact its force may vanish where its misfit does not.
+            if compliance[i] > 0.0 && !gives_way[i] {
+                let answer = misfit / compliance[i];
+                let is_open = i == 0 && !c.limits.has_strength();
+                let answer = if is_open { answer.max(-f[0]) } else { answer };
+                of_misfits += 0.5 * compliance[i] * answer * answer;
+            }
+        }
         for i in 0..3 {
             energy += 0.5 * compliance[i] * f[i] * f[i];
             if compliance[i] == 0.0 || gives_way[i] {

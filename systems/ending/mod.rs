@@ -133,6 +133,7 @@ pub fn judge(
     if error <= 1.0 {
         return;
     }
+    state.needed = is_elastic || keeps_energy;
     let makes_way = growth >= 1.0 || state.guesses.makes_way(error, PROGRESS, MAX_STALLED);
     if makes_way && state.passes < MAX_PASSES {
         let over = |guess: Vec<[f64; 3]>| {
@@ -151,14 +152,15 @@ pub fn judge(
         } else {
             format!("it is out of balance by {} of the maximum force", digits(state.imbalance))
         };
-        attempt.verdict = fail(state, is_elastic || keeps_energy, &why);
+        attempt.verdict = fail(state, &why);
     }
 }
 
-/// What follows where passes find no end. Where contacts slide, it is the solution with the geometry
-/// of the start, marked in the history: the next increment begins with what is out of balance.
-pub fn fail(state: &mut Corrections, is_elastic: bool, why: &str) -> Verdict {
-    if is_elastic {
+/// What follows where passes find no end. Where they are not needed, as contacts slide, it is the
+/// solution with the geometry of the start, marked in the history: the next increment begins with
+/// what is out of balance.
+pub fn fail(state: &mut Corrections, why: &str) -> Verdict {
+    if state.needed {
         return Verdict::TooFar(format!(
             "passes about the end of the increment do not converge: {why}"
         ));

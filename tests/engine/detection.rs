@@ -7,7 +7,7 @@ use clastic::components::findings::AddedPairs;
 use clastic::components::increment::Acceptance;
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
-use clastic::run::{Simulation, Step};
+use clastic::run::{Outcome, Simulation, Step};
 use glam::DVec2;
 
 use crate::common;
@@ -125,6 +125,42 @@ fn missed_in_a_swarm(seed: u64) -> usize {
         })
         .iter()
         .sum()
+}
+
+/// A loaded lid that has yet to come down on a disk with rolling friction. The regularisation followed
+/// it for kilometres before the disk was found, and pulled it on from there: the run was undecided.
+#[test]
+fn a_lid_finds_a_disk_that_is_far_below_it() {
+    for law in ["Associated", "Coulomb()"] {
+        for (gap, rolling) in [(1e-5, 0.5), (8e-5, 0.5), (8e-5, 0.0), (1e-3, 0.05), (4e-3, 0.5)] {
+            let contact = "normal_stiffness: 1.0e8, tangential_stiffness: 1.0e8, friction: 0.5";
+            let scene = common::parse(&format!(
+                "(
+                    version: 1,
+                    title: \"a lid above a disk\",
+                    friction_law: {law},
+                    materials: {{ \"stone\": (contact: ({contact})) }},
+                    specimen: Particles([(position: (0.0, 0.005), radius: 0.005)]),
+                    walls: [
+                        (name: \"floor\", start: (-0.1, 0.0), end: (0.1, 0.0), probe: \"floor\",
+                            contact: ({contact}, rolling_friction: {rolling:?})),
+                        (name: \"lid\", start: (0.1, {height:?}), end: (-0.1, {height:?}),
+                            contact: (normal_stiffness: 1.0e8)),
+                    ],
+                    stages: [Load(name: \"press\", increments: 5, walls: {{ \"lid\": Force(1000.0) }})],
+                )",
+                height = 0.01 + gap,
+            ));
+            let mut simulation = Simulation::new(&scene, None);
+            let mut last = None;
+            while let Some(record) = common::next(&mut simulation) {
+                last = Some(record);
+            }
+            assert_eq!(simulation.run(), Outcome::Completed, "{law} {gap} {rolling}");
+            let force = last.unwrap().probes[0].force[1];
+            assert!((force.abs() - 1000.0).abs() < 1e-4, "{law} {gap} {rolling}: {force}");
+        }
+    }
 }
 
 /// Found in `biaxial_0kPa`: pruned pairs made the first increment of the confinement collapse.

@@ -1,10 +1,10 @@
-//! A gas of disks in a box: impacts keep the energy at any time step, although a body may have several
+//! A gas of disks in a box, and disks on bonds: impacts keep the energy at any time step, although a body may have several
 //! within one and normals turn while bodies touch.
 
 use crate::common::*;
 use clastic::components::energy::EnergyLedger;
-use clastic::run::Simulation;
 use clastic::run::measures::reading;
+use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{Scene, Specimen};
 
 /// Radius, m, and mass, kg, of the disks.
@@ -132,5 +132,62 @@ fn friction_without_slip_changes_no_energy() {
         println!("{steps} steps a period: {:e} to {:e}", least - 1.0, most - 1.0);
         assert!(stored > 0.1, "the disk must meet the walls: {stored}");
         assert!(least > 1.0 - 1e-6 && most < 1.0 + 1e-6, "{steps}: {least} to {most}");
+    }
+}
+
+/// Disks that hang on stiff bonds from a held one, swing down, and hit a rigid wall or each other. At an
+/// impact the passes about the end of a step had no solution and were given up: bonds began the next
+/// step with a stretch that nothing had made, and gained up to 1e11 J.
+#[test]
+fn bonded_disks_gain_no_energy_where_they_hit_a_rigid_wall_or_each_other() {
+    const GRAVITY: f64 = 9.81;
+    let law = "normal_stiffness: 1.0e9, tangential_stiffness: 1.0e9, cohesion: 1.0e12, \
+        tensile_strength: 1.0e12";
+    let wall = "(name: \"wall\", start: (-0.15, 2.0), end: (-0.15, -2.0))";
+    for (links, degrees, wall, steps, theta) in [
+        (1, 0.0_f64, wall, 50.0, 0.5),
+        (1, 0.0, wall, 200.0, 0.5),
+        (3, 80.0, "", 200.0, 0.5),
+        (3, 80.0, "", 200.0, 1.0),
+        (5, 0.0, "", 200.0, 0.5),
+    ] {
+        let (sine, cosine) = degrees.to_radians().sin_cos();
+        let disks: String = (0..=links)
+            .map(|k| 0.2 * f64::from(k))
+            .map(|s| format!("(position: ({:?}, {:?}), radius: 0.1),", s * cosine, s * sine))
+            .collect();
+        let period = 2.0 * std::f64::consts::PI * (0.2 * f64::from(links) / GRAVITY).sqrt();
+        let scene = parse(&format!(
+            "(
+                version: 1,
+                title: \"impacts of bonded disks\",
+                gravity: (0.0, {:?}),
+                analysis: Dynamic(dt: {:?}, theta: {theta:?}),
+                materials: {{ \"steel\": (density: 1000.0, bond: ({law})) }},
+                specimen: Particles([{disks}]),
+                walls: [{wall}],
+                stages: [
+                    Cement(name: \"bond\", length: 1.0e-6),
+                    Load(name: \"swing\", increments: {}, particles: [
+                        (select: Index([0]), x: Held, y: Held, rotation: Held),
+                    ]),
+                ],
+                output: (energy: true),
+            )",
+            -GRAVITY,
+            period / steps,
+            4 * steps as u32,
+        ));
+        let mut simulation = Simulation::new(&scene, None);
+        let (mut most, mut lost) = (0.0_f64, 0.0_f64);
+        while next(&mut simulation).is_some() {
+            let total = &simulation.world().resource::<EnergyLedger>().total;
+            let gained = total.kinetic + total.elastic - total.gravity;
+            (most, lost) = (most.max(gained), lost.min(gained));
+        }
+        assert_eq!(simulation.run(), Outcome::Completed, "{links} {wall} {steps} {theta}");
+        println!("{links} links, {steps} steps, theta {theta}: {lost:.1} to {most:e} J");
+        assert!(lost < -1.0, "nothing was hit");
+        assert!(most < 1e-2, "{links} {wall} {steps} {theta}: {most} J");
     }
 }

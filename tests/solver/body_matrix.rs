@@ -20,7 +20,7 @@ struct Sample {
 impl Sample {
     fn matrix(&self) -> BodyMatrix {
         let pairs: Vec<_> = self.interactions.iter().map(|(pair, ..)| *pair).collect();
-        let mut matrix = BodyMatrix::new(self.weights.len(), &pairs).expect("an order");
+        let mut matrix = BodyMatrix::new(self.weights.len(), &pairs);
         matrix.clear();
         let order = matrix.order().to_vec();
         let mut values = matrix.assembly();
@@ -366,7 +366,7 @@ fn long_chains_of_fronts_do_not_overflow_the_stack() {
             let stack = 256 << 10;
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(stack);
             pool.build().unwrap().install(|| {
-                let mut matrix = BodyMatrix::new(count as usize, &pairs).expect("an order");
+                let mut matrix = BodyMatrix::new(count as usize, &pairs);
                 let mut values = matrix.assembly();
                 (0..count as usize)
                     .for_each(|i| (0..3).for_each(|k| values.add_diagonal(i, k, 1.0)));

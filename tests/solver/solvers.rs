@@ -285,7 +285,7 @@ fn the_first_point_that_is_enough_ends_the_interior_point() {
             let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
             let start = vec![[0.0; 3]; program.bodies.len()];
             let end = |goal: interior::Goal, enough: f64| {
-                let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
+                let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs);
                 let scaled = Scaled::new(&program, matrix.order());
                 let judge = |point: &Interior| point.merit <= enough;
                 interior::solve(&scaled, &mut matrix, &start, None, &settings, goal, &judge)
@@ -315,7 +315,7 @@ fn a_start_that_loads_contacts_wildly_is_none() {
         for program in (1..=4).flat_map(|seed| programs(kind, seed)) {
             let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
             let from = |start: &dyn Fn(usize) -> f64| {
-                let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
+                let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs);
                 let scaled = Scaled::new(&program, matrix.order());
                 let start: Vec<_> = (0..program.bodies.len()).map(|i| [start(i); 3]).collect();
                 let goal = interior::Goal::exact(1e-8);

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::observation::Observation;
 
+use super::definitions::RESOLVED;
 use super::results::{BrokenBonds, Results};
 use crate::scene::format::{Contact, Scene, Specimen};
 
@@ -215,7 +216,10 @@ impl KeyResults {
         self.curve.push(point);
         let height = |stress: f64| (stress - self.start.stress).abs();
         let results = &mut self.results;
-        let peak = results.peak_stress_pa.is_none_or(|peak| height(stress) > height(peak));
+        // What exceeds the peak by less than is resolved is no other peak.
+        let peak = results
+            .peak_stress_pa
+            .is_none_or(|peak| height(stress) > height(peak) * (1.0 + RESOLVED));
         if o.rupture_lag > 0.0 {
             self.lag = Some(o.rupture_lag);
         }

@@ -4,7 +4,7 @@
 use serde::de::value::StrDeserializer;
 use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};
 
-use super::context::Failure;
+use super::context::{Failure, found};
 use super::spans::{is_group, join};
 use super::suggest;
 use super::tree::{Entry, Key, Shape};
@@ -100,7 +100,7 @@ impl<'a> de::MapAccess<'a> for Fields<'_, 'a> {
                     break;
                 }
             } else {
-                let message = format!("expected `name: value`, found {}", cx.found(&entry.value));
+                let message = format!("expected `name: value`, found {}", found(&entry.value));
                 let number = |entry: &Entry| entry.value.shape == Shape::Number;
                 let before = node.entries.get(self.next.wrapping_sub(2));
                 let help = if number(entry) && before.is_some_and(number) {
@@ -194,8 +194,7 @@ impl<'a> de::MapAccess<'a> for Pairs<'_, 'a> {
         while let Some(entry) = node.entries.get(self.next) {
             self.next += 1;
             let Some(key) = &entry.key else {
-                let message =
-                    format!("expected `\"name\": value`, found {}", cx.found(&entry.value));
+                let message = format!("expected `\"name\": value`, found {}", found(&entry.value));
                 cx.note(entry.value.span.start, path, message, "put a name and `:` before it");
                 continue;
             };
@@ -283,7 +282,7 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
             _ if is_word && fields.is_empty() => format!("write `{name}()`"),
             _ if is_word => format!("its fields are {}", suggest::list(fields)),
             [Entry { value, .. }] if !is_group(value) => {
-                format!("write `{name}({first}: {})`", reader.cx.literal(value))
+                format!("write `{name}({first}: {})`", value.literal)
             }
             _ => reader.without_names(fields),
         };

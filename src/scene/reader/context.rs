@@ -13,12 +13,12 @@ use crate::scene::format::VERSION;
 
 /// Data that all readers of a text share.
 pub(super) struct Context<'a> {
-    /// The text.
-    pub text: &'a str,
     /// Paths of missing fields that the reading makes up.
     pub absent: &'a [String],
-    /// Names that stand for numbers.
+    /// Names that `let` defines.
     pub values: &'a [String],
+    /// Those that have no number, about which `let` has a message.
+    pub without_number: &'a [String],
     notes: RefCell<Notes>,
 }
 
@@ -35,8 +35,8 @@ pub(in crate::scene) struct Notes {
 
 impl<'a> Context<'a> {
     /// The context of a reading that has recorded nothing yet.
-    pub fn new(text: &'a str, absent: &'a [String], values: &'a [String]) -> Self {
-        Self { text, absent, values, notes: RefCell::default() }
+    pub fn new(absent: &'a [String], values: &'a [String], without_number: &'a [String]) -> Self {
+        Self { absent, values, without_number, notes: RefCell::default() }
     }
 
     /// What the reading has recorded.
@@ -59,29 +59,24 @@ impl<'a> Context<'a> {
     pub fn renamed(&self, meant: String, written: String) {
         self.notes.borrow_mut().renamed.push((meant, written));
     }
+}
 
-    /// The text of a value.
-    pub fn literal(&self, node: &Node) -> &str {
-        node.literal(self.text)
-    }
-
-    /// Description of a value for messages.
-    pub fn found(&self, node: &Node) -> String {
-        const LONGEST: usize = 40;
-        let literal = self.literal(node);
-        let name = node.variant(self.text);
-        match node.shape {
-            Shape::Nothing => "nothing".to_owned(),
-            _ if literal.chars().count() <= LONGEST && !literal.contains('\n') => {
-                format!("`{literal}`")
-            }
-            _ if name.is_some() => format!("`{}(...)`", name.unwrap_or_default()),
-            Shape::List => "a list `[...]`".to_owned(),
-            Shape::Map => "a map `{...}`".to_owned(),
-            Shape::Struct => "named fields `(name: ...)`".to_owned(),
-            Shape::Tuple => "values in brackets `(...)`".to_owned(),
-            _ => format!("`{}...`", literal.chars().take(LONGEST).collect::<String>()),
-        }
+/// Description of a value for messages.
+pub(super) fn found(node: &Node) -> String {
+    const LONGEST: usize = 40;
+    let Node { literal, number, name, shape, .. } = node;
+    let is_short = literal.chars().count() <= LONGEST && !literal.contains('\n');
+    match (shape, number, name) {
+        (Shape::Nothing, ..) => "nothing".to_owned(),
+        (_, Some(number), _) if is_short => format!("`{literal}`, which is {number}"),
+        (_, Some(number), _) => format!("`{number}`"),
+        _ if is_short => format!("`{literal}`"),
+        (_, _, Some(name)) => format!("`{name}(...)`"),
+        (Shape::List, ..) => "a list `[...]`".to_owned(),
+        (Shape::Map, ..) => "a map `{...}`".to_owned(),
+        (Shape::Struct, ..) => "named fields `(name: ...)`".to_owned(),
+        (Shape::Tuple, ..) => "values in brackets `(...)`".to_owned(),
+        _ => format!("`{}...`", literal.chars().take(LONGEST).collect::<String>()),
     }
 }
 

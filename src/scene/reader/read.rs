@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 
 use super::context::{Context, Notes};
 use super::scan::scan;
+use super::tree::Node;
 use super::tree_reader::Reader;
 use crate::scene::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
 use crate::scene::edited::EditedText;
@@ -19,25 +20,26 @@ const ENOUGH: usize = 1000;
 /// # Errors
 /// All mistakes.
 pub(crate) fn read_sound<T: DeserializeOwned>(text: &str, file: &Path) -> Result<T, SceneErrors> {
-    let (value, Notes { placed, .. }) = read(text);
-    let sound = value.filter(|_| placed.is_empty());
-    sound.ok_or_else(|| SceneErrors::new(file, &EditedText::of(text), placed))
+    let (root, mut mistakes) = scan(text);
+    let value = root.and_then(|root| {
+        let (value, notes) = read(&root);
+        mistakes.extend(notes.placed);
+        value
+    });
+    let sound = value.filter(|_| mistakes.is_empty());
+    sound.ok_or_else(|| SceneErrors::new(file, &EditedText::of(text), mistakes))
 }
 
-/// Reads a text. Returns its meaning with what the reading has recorded: if that has mistakes, the
+/// Reads a tree. Returns its meaning with what the reading has recorded: if that has mistakes, the
 /// probable meaning, as far as it can be determined.
-pub(in crate::scene) fn read<T: DeserializeOwned>(text: &str) -> (Option<T>, Notes) {
-    let (root, faults) = scan(text);
-    let Some(root) = root else {
-        return (None, Notes { placed: faults, ..Notes::default() });
-    };
+pub(in crate::scene) fn read<T: DeserializeOwned>(root: &Node) -> (Option<T>, Notes) {
     // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();
     let mut absent: Vec<String> = Vec::new();
-    let values = values::names(&root);
+    let (values, without_number) = (values::names(root), values::without_number(root));
     loop {
-        let cx = Context::new(text, &absent, &values);
-        let value = T::deserialize(Reader::new(&cx, &root, String::new()));
+        let cx = Context::new(&absent, &values, &without_number);
+        let value = T::deserialize(Reader::new(&cx, root, String::new()));
         let mut notes = cx.into_notes();
         if let Err(failure) = &value {
             if let Some((path, placed)) = failure.missing_field()
@@ -51,7 +53,7 @@ pub(in crate::scene) fn read<T: DeserializeOwned>(text: &str) -> (Option<T>, Not
             notes.placed.push(Placed { at, finding: Finding::new("", failure.to_string(), "") });
         }
         let value = value.ok().filter(|_| notes.placed.len() <= ENOUGH);
-        notes.placed = faults.into_iter().chain(missing).chain(notes.placed).collect();
+        notes.placed = missing.into_iter().chain(notes.placed).collect();
         notes.made_up.extend(absent);
         return (value, notes);
     }

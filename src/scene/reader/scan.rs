@@ -13,7 +13,7 @@ use crate::scene::diagnostic::{Finding, Placed};
 const DEEPEST: usize = 128;
 
 /// Scans a text. Returns all faults, and the value unless a fault prevents it.
-pub(in crate::scene) fn scan(text: &str) -> (Option<Node>, Vec<Placed>) {
+pub(in crate::scene) fn scan(text: &str) -> (Option<Node<'_>>, Vec<Placed>) {
     let mut scanner = Scanner { text, at: 0, depth: 0, faults: Vec::new() };
     let root = scanner.document();
     let mut faults = scanner.faults;
@@ -38,7 +38,7 @@ struct Scanner<'t> {
 }
 
 impl<'t> Scanner<'t> {
-    fn document(&mut self) -> Result<Node, Placed> {
+    fn document(&mut self) -> Result<Node<'t>, Placed> {
         self.blank()?;
         while self.rest().starts_with("#!") {
             let end = self.rest().find(']').ok_or_else(|| {
@@ -116,11 +116,10 @@ impl<'t> Scanner<'t> {
     }
 
     /// A value: an operand, and further ones with operators between them.
-    fn value(&mut self) -> Result<Node, Placed> {
+    fn value(&mut self) -> Result<Node<'t>, Placed> {
         let first = self.operand()?;
         let start = first.span.start;
-        let literal = first.literal(self.text);
-        let name = first.variant(self.text);
+        let Node { literal, name, .. } = first;
         let mut is_sign = literal == "-" || literal == "+";
         let mut is_expression = is_sign || name.is_some_and(is_function);
         let in_brackets = first.shape == Shape::Tuple && first.entries.len() == 1 && name.is_none();
@@ -147,7 +146,7 @@ impl<'t> Scanner<'t> {
         Ok(if is_expression { self.leaf(start, Shape::Expression) } else { first })
     }
 
-    fn operand(&mut self) -> Result<Node, Placed> {
+    fn operand(&mut self) -> Result<Node<'t>, Placed> {
         let start = self.at;
         let rest = self.rest();
         let Some(first) = rest.chars().next() else { return Ok(self.leaf(start, Shape::Nothing)) };
@@ -175,7 +174,7 @@ impl<'t> Scanner<'t> {
                 Some(name) => {
                     self.blank()?;
                     if self.peek() == Some('(') {
-                        return self.group(start, Some(name), '(');
+                        return self.group(start, self.text.get(name), '(');
                     }
                     self.at = name.end;
                     Ok(self.leaf(start, Shape::Word))
@@ -215,8 +214,20 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    fn leaf(&self, start: usize, shape: Shape) -> Node {
-        Node { span: start..self.at, name: None, shape, entries: Vec::new() }
+    fn leaf(&self, start: usize, shape: Shape) -> Node<'t> {
+        self.node(start, None, shape, Vec::new())
+    }
+
+    /// A value that ends here.
+    fn node(
+        &self,
+        start: usize,
+        name: Option<&'t str>,
+        shape: Shape,
+        entries: Vec<Entry<'t>>,
+    ) -> Node<'t> {
+        let span = start..self.at;
+        Node { literal: &self.text[span.clone()], span, number: None, name, shape, entries }
     }
 
     fn identifier(&mut self) -> Option<Span> {
@@ -229,7 +240,7 @@ impl<'t> Scanner<'t> {
         })
     }
 
-    fn quoted(&mut self, open: usize, quote: char, shape: Shape) -> Result<Node, Placed> {
+    fn quoted(&mut self, open: usize, quote: char, shape: Shape) -> Result<Node<'t>, Placed> {
         let start = self.at;
         self.at = open + 1;
         while let Some(c) = self.peek() {
@@ -244,12 +255,15 @@ impl<'t> Scanner<'t> {
         Err(fault(start, "this quote is never closed", "close the quote"))
     }
 
-    fn is_multiline_text(&self, node: &Node) -> bool {
-        let literal = node.literal(self.text);
-        node.shape == Shape::Text && literal.starts_with('"') && literal.contains('\n')
+    /// Start of a word or number that ends at `end` and has probably lost the quote before it: the
+    /// rest of its line has a quote without a partner.
+    fn lost_quote(&self, node: &Node, end: usize) -> Option<usize> {
+        let is_plain = matches!(node.shape, Shape::Word | Shape::Number | Shape::Expression);
+        let line = self.text[end..].lines().next().unwrap_or_default();
+        (is_plain && line.matches('"').count() % 2 == 1).then_some(node.span.start)
     }
 
-    fn raw_string(&mut self, start: usize, hashes: usize) -> Result<Node, Placed> {
+    fn raw_string(&mut self, start: usize, hashes: usize) -> Result<Node<'t>, Placed> {
         let end = format!("\"{}", "#".repeat(hashes));
         let open = start + self.rest().find('"').unwrap_or_default() + 1;
         match self.text.get(open..).and_then(|body| body.find(&end)) {
@@ -261,7 +275,12 @@ impl<'t> Scanner<'t> {
         }
     }
 
-    fn group(&mut self, start: usize, name: Option<Span>, open: char) -> Result<Node, Placed> {
+    fn group(
+        &mut self,
+        start: usize,
+        name: Option<&'t str>,
+        open: char,
+    ) -> Result<Node<'t>, Placed> {
         let opened = self.at;
         self.depth += 1;
         if self.depth > DEEPEST {
@@ -273,7 +292,7 @@ impl<'t> Scanner<'t> {
             _ => '}',
         };
         self.at += 1;
-        let mut entries: Vec<Entry> = Vec::new();
+        let mut entries: Vec<Entry<'t>> = Vec::new();
         let mut missing_comma = false;
         loop {
             self.blank()?;
@@ -314,10 +333,14 @@ impl<'t> Scanner<'t> {
                     // A string that extends over several lines up to here has probably lost its
                     // quote.
                     let last = entries.last().map(|entry| &entry.value).filter(|_| !leftover);
-                    let lost = last.filter(|node| self.is_multiline_text(node));
+                    let lost = last.filter(|node| is_multiline_text(node));
                     if let Some(start) = lost.map(|node| node.span.start) {
                         let message = "this quote is not closed on its line";
                         return Err(fault(start, message, "close the quote"));
+                    }
+                    if let Some(start) = last.and_then(|node| self.lost_quote(node, end)) {
+                        let message = "this text has no quote before it";
+                        return Err(fault(start, message, "open the quote"));
                     }
                     let help = "put a comma between two values";
                     self.faults.push(fault(end, "missing comma", help));
@@ -333,10 +356,10 @@ impl<'t> Scanner<'t> {
             '[' => Shape::List,
             _ => Shape::Map,
         };
-        Ok(Node { span: start..self.at, name, shape, entries })
+        Ok(self.node(start, name, shape, entries))
     }
 
-    fn entry(&mut self, open: char) -> Result<Entry, Placed> {
+    fn entry(&mut self, open: char) -> Result<Entry<'t>, Placed> {
         if open == '[' {
             return Ok(Entry { key: None, value: self.value()? });
         }
@@ -358,13 +381,17 @@ impl<'t> Scanner<'t> {
         }
         self.at += 1;
         let quoted = first.shape == Shape::Text;
-        let literal = first.literal(self.text);
+        let literal = first.literal;
         let text = if quoted { unquote(literal) } else { None };
         let text = text.unwrap_or_else(|| literal.trim_start_matches("r#").to_owned());
         let key = Key { span: first.span, text, quoted };
         self.blank()?;
         Ok(Entry { key: Some(key), value: self.value()? })
     }
+}
+
+fn is_multiline_text(node: &Node) -> bool {
+    node.shape == Shape::Text && node.literal.starts_with('"') && node.literal.contains('\n')
 }
 
 /// Number of `#` before the quote; `None` if no raw string begins here.

@@ -17,46 +17,42 @@ use super::tree::{Entry, Key, Node, Shape};
 
 /// The places of all fields of a text.
 #[derive(Clone, Debug)]
-pub struct Spans {
-    text: String,
-    root: Option<Node>,
-}
+pub struct Spans<'t>(Option<Node<'t>>);
 
-impl Spans {
+impl<'t> Spans<'t> {
     /// Scans a text. A text with unbalanced brackets has no places.
     #[must_use]
-    pub fn of(text: &str) -> Self {
-        Self { text: text.to_owned(), root: scan(text).0 }
+    pub fn of(text: &'t str) -> Self {
+        Self(scan(text).0)
     }
 
     /// Span of a value.
     #[must_use]
     pub fn value(&self, path: &str) -> Option<Span> {
-        Some(self.find(path)?.0.span.clone())
+        Some(self.find(path)?.node.span.clone())
     }
 
     /// Span of the key of a value.
     #[must_use]
     pub fn key(&self, path: &str) -> Option<Span> {
-        Some(self.find(path)?.1?.span.clone())
+        Some(self.find(path)?.key?.span.clone())
     }
 
-    /// Byte of a field: that of its value or its key. For a missing field it is that of the
-    /// innermost value around it.
-    #[must_use]
-    pub fn nearest(&self, path: &str, at_key: bool) -> usize {
-        let (Some(root), Some(steps)) = (&self.root, parse_path(path)) else { return 0 };
-        let found = descend(root, &self.text, &steps);
-        match found.key {
-            Some(key) if at_key && found.depth == steps.len() => key.span.start,
-            _ => found.node.span.start,
-        }
-    }
-
-    fn find(&self, path: &str) -> Option<(&Node, Option<&Key>)> {
+    fn find(&self, path: &str) -> Option<Found<'_, 't>> {
         let steps = parse_path(path)?;
-        let found = descend(self.root.as_ref()?, &self.text, &steps);
-        (found.depth == steps.len()).then_some((found.node, found.key))
+        let found = descend(self.0.as_ref()?, &steps);
+        (found.depth == steps.len()).then_some(found)
+    }
+}
+
+/// Byte of a field: that of its value or its key. For a missing field it is that of the innermost
+/// value around it.
+pub(in crate::scene) fn nearest(root: &Node, path: &str, at_key: bool) -> usize {
+    let Some(steps) = parse_path(path) else { return 0 };
+    let found = descend(root, &steps);
+    match found.key {
+        Some(key) if at_key && found.depth == steps.len() => key.span.start,
+        _ => found.node.span.start,
     }
 }
 
@@ -127,9 +123,9 @@ pub fn write_path(steps: &[Step]) -> String {
 }
 
 /// Result of following a path.
-pub(in crate::scene) struct Found<'n> {
+pub(in crate::scene) struct Found<'n, 't> {
     /// The last value that was found.
-    pub node: &'n Node,
+    pub node: &'n Node<'t>,
     /// Key of this value.
     pub key: Option<&'n Key>,
     /// Number of steps that were followed.
@@ -137,10 +133,10 @@ pub(in crate::scene) struct Found<'n> {
 }
 
 /// Walks along a path and stops at the first step that the text does not have.
-pub(in crate::scene) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) -> Found<'n> {
+pub(in crate::scene) fn descend<'n, 't>(root: &'n Node<'t>, steps: &[Step]) -> Found<'n, 't> {
     let mut found = Found { node: root, key: None, depth: 0 };
     for step in steps {
-        let Some(entry) = child(found.node, text, step) else { break };
+        let Some(entry) = child(found.node, step) else { break };
         found = Found { node: &entry.value, key: entry.key.as_ref(), depth: found.depth + 1 };
     }
     found
@@ -148,7 +144,7 @@ pub(in crate::scene) fn descend<'n>(root: &'n Node, text: &str, steps: &[Step]) 
 
 /// The value whose parts a path addresses: the payload of a variant with one value in brackets,
 /// else the value itself.
-pub(in crate::scene) fn unwrapped(node: &Node) -> &Node {
+pub(in crate::scene) fn unwrapped<'n, 't>(node: &'n Node<'t>) -> &'n Node<'t> {
     match (node.shape, node.entries.as_slice()) {
         (Shape::Tuple, [only]) if is_group(&only.value) => unwrapped(&only.value),
         _ => node,
@@ -160,18 +156,18 @@ pub(in crate::scene) fn is_group(node: &Node) -> bool {
 }
 
 /// The `name` of a list item.
-pub(in crate::scene) fn item_name(node: &Node, text: &str) -> Option<String> {
-    unquote(unwrapped(node).field("name")?.literal(text))
+pub(in crate::scene) fn item_name(node: &Node) -> Option<String> {
+    unquote(unwrapped(node).field("name")?.literal)
 }
 
-fn child<'n>(node: &'n Node, text: &str, step: &Step) -> Option<&'n Entry> {
+fn child<'n, 't>(node: &'n Node<'t>, step: &Step) -> Option<&'n Entry<'t>> {
     let node = unwrapped(node);
     match step {
         Step::Index(index) => {
             matches!(node.shape, Shape::Tuple | Shape::List).then(|| node.entries.get(*index))?
         }
         Step::Name(name) if node.shape == Shape::List => {
-            node.entries.iter().find(|entry| item_name(&entry.value, text).as_ref() == Some(name))
+            node.entries.iter().find(|entry| item_name(&entry.value).as_ref() == Some(name))
         }
         Step::Name(name) => node.entry(name),
     }

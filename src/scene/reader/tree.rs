@@ -34,30 +34,41 @@ pub enum Shape {
 
 /// A value of the text.
 #[derive(Clone, Debug)]
-pub struct Node {
+pub struct Node<'t> {
     /// Span of the whole value, with the name before its brackets.
     pub span: Span,
+    /// Its text.
+    pub literal: &'t str,
+    /// The number that a name or an expression stands for.
+    pub number: Option<Box<str>>,
     /// Name before the brackets: a struct or a variant with payload.
-    pub name: Option<Span>,
+    pub name: Option<&'t str>,
     /// Shape.
     pub shape: Shape,
     /// Entries inside the brackets.
-    pub entries: Vec<Entry>,
+    pub entries: Vec<Entry<'t>>,
 }
 
-impl Node {
-    /// The text of the value.
-    pub fn literal<'t>(&self, text: &'t str) -> &'t str {
-        text.get(self.span.clone()).unwrap_or_default()
+impl<'t> Node<'t> {
+    /// The text of the value, or the number that it stands for.
+    pub fn value(&self) -> &str {
+        self.number.as_deref().unwrap_or(self.literal)
     }
 
-    /// The name before the brackets.
-    pub fn variant<'t>(&self, text: &'t str) -> Option<&'t str> {
-        text.get(self.name.clone()?)
+    /// A number in place of this value, and with its place.
+    pub fn as_number(&self, number: &str) -> Self {
+        Self { number: Some(number.into()), ..self.as_group(Shape::Number, []) }
+    }
+
+    /// A list or a tuple in place of this value, and with its place.
+    pub fn as_group(&self, shape: Shape, values: impl IntoIterator<Item = Self>) -> Self {
+        let entries = values.into_iter().map(|value| Entry { key: None, value }).collect();
+        let Self { span, literal, .. } = self;
+        Self { span: span.clone(), literal, number: None, name: None, shape, entries }
     }
 
     /// The entry with a key.
-    pub fn entry(&self, key: &str) -> Option<&Entry> {
+    pub fn entry(&self, key: &str) -> Option<&Entry<'t>> {
         self.entries.iter().find(|entry| entry.key.as_ref().is_some_and(|k| k.text == key))
     }
 
@@ -69,11 +80,11 @@ impl Node {
 
 /// A value inside brackets.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct Entry<'t> {
     /// Key of the entry, in structs and maps.
     pub key: Option<Key>,
     /// The value.
-    pub value: Node,
+    pub value: Node<'t>,
 }
 
 /// A field name or a map key.

@@ -6,18 +6,25 @@
 use serde::de::{self, DeserializeOwned, Visitor};
 
 use super::access::{Items, Pairs, Variant};
-use super::context::{Context, Failure};
+use super::context::{Context, Failure, found};
 use super::tree::{Entry, Node, Shape};
 use super::{suggest, units, verbatim};
 use crate::scene::values;
 
 /// See [`Shape::MadeUp`].
-static MADE_UP: Node = Node { span: 0..0, name: None, shape: Shape::MadeUp, entries: Vec::new() };
+static MADE_UP: Node<'static> = Node {
+    span: 0..0,
+    literal: "",
+    number: None,
+    name: None,
+    shape: Shape::MadeUp,
+    entries: Vec::new(),
+};
 
 /// Reads one value of the tree.
 pub(super) struct Reader<'a> {
     pub(super) cx: &'a Context<'a>,
-    pub(super) node: &'a Node,
+    pub(super) node: &'a Node<'a>,
     pub(super) path: String,
     /// Whether the name before the brackets has been read: a variant that contains a struct.
     pub(super) inside: bool,
@@ -26,7 +33,7 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    pub(super) fn new(cx: &'a Context<'a>, node: &'a Node, path: String) -> Self {
+    pub(super) fn new(cx: &'a Context<'a>, node: &'a Node<'a>, path: String) -> Self {
         Self { cx, node, path, inside: false, unit: None }
     }
 
@@ -52,8 +59,11 @@ impl<'a> Reader<'a> {
 
     pub(super) fn expected_with(&self, what: &str, help: impl Into<String>) -> Self {
         if !self.is_made_up() {
-            let message = format!("expected {what}, found {}", self.cx.found(self.node));
-            self.cx.note(self.node.span.start, &self.path, message, help);
+            let in_let = self.path == "let" || self.path.starts_with("let.");
+            if in_let || !values::has_any(self.node, self.cx.without_number) {
+                let message = format!("expected {what}, found {}", found(self.node));
+                self.cx.note(self.node.span.start, &self.path, message, help);
+            }
             self.cx.made_up(self.path.clone());
         }
         self.made_up()
@@ -61,11 +71,11 @@ impl<'a> Reader<'a> {
 
     /// The remedy, if it can be derived from the value.
     pub(super) fn meant(&self, what: &str) -> String {
-        let literal = self.cx.literal(self.node);
+        let literal = self.node.value();
         let number = what.ends_with("number") || what.contains("whole number");
         let arithmetic = matches!(self.node.shape, Shape::Word | Shape::Expression);
         if number && arithmetic {
-            return values::help(self.node, self.cx.text, self.cx.values, self.unit);
+            return values::help(self.node, self.cx.values, self.unit);
         }
         match self.node.shape {
             Shape::Number if number => match (units::split(literal), literal.parse::<f64>()) {
@@ -82,7 +92,7 @@ impl<'a> Reader<'a> {
                 [Entry { key: None, value }]
                     if self.named() == Some("Some") && value.shape == Shape::Number =>
                 {
-                    format!("write `{}`, without `Some`", self.cx.literal(value))
+                    format!("write `{}`, without `Some`", value.literal)
                 }
                 [_, _, ..] => "give one number".to_owned(),
                 _ => String::new(),
@@ -112,11 +122,11 @@ impl<'a> Reader<'a> {
 
     pub(super) fn scalar<T: DeserializeOwned>(&self, shapes: &[Shape]) -> Option<T> {
         let fits = shapes.contains(&self.node.shape);
-        fits.then(|| ron::from_str(self.cx.literal(self.node)).ok())?
+        fits.then(|| ron::from_str(self.node.value()).ok())?
     }
 
     pub(super) fn named(&self) -> Option<&'a str> {
-        self.node.variant(self.cx.text)
+        self.node.name
     }
 }
 
@@ -151,7 +161,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
         let inside = self.named() == Some("Some");
         match self.node.entries.as_slice() {
-            _ if self.is_made_up() || self.cx.literal(self.node) == "None" => visitor.visit_none(),
+            _ if self.is_made_up() || self.node.literal == "None" => visitor.visit_none(),
             [Entry { key: None, value }] if inside => {
                 visitor.visit_some(Reader { node: value, ..self })
             }
@@ -165,7 +175,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         visitor: V,
     ) -> Result<V::Value, Failure> {
         if name == verbatim::NAME {
-            return visitor.visit_str(self.cx.literal(self.node));
+            return visitor.visit_str(self.node.literal);
         }
         visitor.visit_newtype_struct(self)
     }
@@ -199,7 +209,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
             Shape::Map | Shape::MadeUp => visitor.visit_map(pairs),
             // The struct was meant as a map if its names are those of a map.
             Shape::Struct if self.node.name.is_none() && keys().all(|key| key.quoted) => {
-                let message = format!("expected {MAP}, found {}", self.cx.found(self.node));
+                let message = format!("expected {MAP}, found {}", found(self.node));
                 let help = "write `{` and `}` for `(` and `)`";
                 self.cx.note(self.node.span.start, &self.path, message, help);
                 visitor.visit_map(pairs)
@@ -241,7 +251,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
     ) -> Result<V::Value, Failure> {
         let word = match self.node.shape {
             Shape::MadeUp => variants.first().copied(),
-            Shape::Word => Some(self.cx.literal(self.node)),
+            Shape::Word => Some(self.node.literal),
             _ => self.named().filter(|_| !self.inside),
         };
         let Some(word) = word else {

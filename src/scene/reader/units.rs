@@ -126,6 +126,10 @@ pub(in crate::scene) fn help(number: f64, unit: &str, wanted: Option<&str>) -> S
                 Some((value, powers)) if powers != [0; 4] && value != 1.0 && unit != "g" => {
                     format!("numbers are in SI units: write {}", short_number(number * value))
                 }
+                _ if unit == "%" => {
+                    let part = short_number(number / 100.0);
+                    format!("leave the unit out; as a part of 1 it is {part}")
+                }
                 _ => "leave the unit out".to_owned(),
             };
         }
@@ -201,7 +205,7 @@ mod tests {
         assert_eq!(help(5.0, "s", None), "leave the unit out");
         // The diameter of a sieve was 2 m without its unit.
         assert_eq!(help(2.0, "mm", None), "numbers are in SI units: write 0.002");
-        assert_eq!(help(40.0, "%", None), "leave the unit out");
+        assert_eq!(help(40.0, "%", None), "leave the unit out; as a part of 1 it is 0.4");
         assert_eq!(help(1.0, "g", None), "leave the unit out");
     }
 }

@@ -6,7 +6,8 @@ use super::read;
 use super::samples::FULL;
 use crate::scene::LoadError;
 use crate::scene::overrides::apply;
-use crate::scene::spans::Spans;
+use crate::scene::scan::scan;
+use crate::scene::spans::nearest;
 
 /// Deletes, inserts or doubles a few bytes.
 fn mutate(text: &str, edits: &[(usize, u8, usize, String)]) -> String {
@@ -47,7 +48,7 @@ proptest! {
     #[test]
     fn any_setting_is_applied_or_refused(path in r#"[a-z.\[\]"0-9]{0,12}"#, value in ".{0,8}") {
         let _ = apply(FULL, &[format!("{path}={value}")]);
-        let _ = Spans::of(&value).nearest(&path, true);
+        let _ = scan(&value).0.map(|root| nearest(&root, &path, true));
     }
 }
 

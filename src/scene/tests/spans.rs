@@ -1,7 +1,8 @@
 //! Paths and places.
 
 use super::samples::FULL;
-use crate::scene::spans::{Spans, Step, parse_path, write_path};
+use crate::scene::scan::scan;
+use crate::scene::spans::{Spans, Step, nearest, parse_path, write_path};
 
 #[track_caller]
 fn says(path: &str, value: &str) {
@@ -49,10 +50,10 @@ fn keys_have_places() {
 
 #[test]
 fn an_absent_field_is_placed_where_it_would_be() {
-    let spans = Spans::of(FULL);
+    let (spans, root) = (Spans::of(FULL), scan(FULL).0.unwrap());
     assert_eq!(spans.value("walls.top.probe"), None);
-    assert_eq!(spans.nearest("walls.top.probe", false), spans.value("walls.top").unwrap().start);
-    assert_eq!(spans.nearest("nothing", true), spans.value("").unwrap().start);
+    assert_eq!(nearest(&root, "walls.top.probe", false), spans.value("walls.top").unwrap().start);
+    assert_eq!(nearest(&root, "nothing", true), spans.value("").unwrap().start);
 }
 
 #[test]

@@ -5,8 +5,8 @@ use crate::scene::format::{
 };
 
 use super::findings::At;
-use super::parts::one_piece;
-use super::places::{are_alike, are_opposite, distance, length};
+use super::parts::{are_apart, both_straight, one_piece};
+use super::places::{are_alike, are_opposite, distance};
 use super::references::index_exists;
 use super::select::select;
 use crate::history_columns;
@@ -145,11 +145,7 @@ fn strain(at: &mut At, strain: &Strain) {
 /// Checks that a strain is not that between two walls of which one is drawn from its end to its start:
 /// a wall that comes at the outermost particles would come from the other side.
 fn towards_each_other(at: &mut At, (a, b): (&str, &str)) {
-    let find = |name: &str| {
-        let wall = at.context.wall(name);
-        wall.filter(|wall| wall.shape.is_straight() && length(wall) > 0.0)
-    };
-    let (Some(first), Some(second)) = (find(a), find(b)) else { return };
+    let Some((first, second)) = both_straight(at, (a, b)) else { return };
     if a == b || !at.are_sound(&["walls", "specimen"]) {
         return;
     }
@@ -223,6 +219,7 @@ fn two_walls(at: &mut At, (a, b): (&str, &str)) {
     wall(at, "[0]", a);
     wall(at, "[1]", b);
     at.pair("", (a, b), "wall");
+    are_apart(at, "", (a, b));
 }
 
 fn wall(at: &mut At, field: &str, name: &str) {

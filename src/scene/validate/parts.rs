@@ -6,7 +6,14 @@ use crate::scene::format::{Motion, Wall, WallShape};
 use crate::scene::suggest;
 
 use super::findings::At;
-use super::places::{are_opposite, length};
+use super::places::{are_askew, are_opposite, length};
+
+/// Maximum rotation of a wall or a body in an increment, rad. Gaps are those of the rotation to first
+/// order for a disk that moves with the wall, whose error is that share squared of its motion.
+pub(super) const MAX_TURN: f64 = 0.2;
+
+/// What an imposed angle is.
+pub(super) const ANGLE: &str = "an angle of one increment in rad, at most 0.2 (11 degrees)";
 
 /// Checks a wall that a stage needs. Returns the wall if it exists.
 pub(super) fn wall_there<'a>(
@@ -62,6 +69,29 @@ pub(super) fn face(at: &mut At, field: &str, walls: [Option<&Wall>; 2]) {
     }
 }
 
+/// Two walls, if they exist and are straight with a length.
+pub(super) fn both_straight<'a>(
+    at: &At<'_, 'a>,
+    (a, b): (&str, &str),
+) -> Option<(&'a Wall, &'a Wall)> {
+    let find = |name: &str| {
+        let wall = at.context.wall(name);
+        wall.filter(|wall| wall.shape.is_straight() && length(wall) > 0.0)
+    };
+    Some((find(a)?, find(b)?))
+}
+
+/// Checks that two walls, if they exist, have a distance that is the size of something between them.
+pub(super) fn are_apart(at: &mut At, field: &str, (a, b): (&str, &str)) {
+    if let Some((first, second)) = both_straight(at, (a, b))
+        && at.is_sure_of("walls")
+        && are_askew(first, second)
+    {
+        let message = format!("walls `{a}` and `{b}` do not lie opposite each other");
+        at.add(field, message, "name two walls on opposite sides, as left and right");
+    }
+}
+
 /// Finds a control by time in a stage that has none. `instead` is one by increments.
 pub(super) fn needs_time(at: &mut At, field: &str, what: &str, instead: &str) {
     if at.is_timeless() {
@@ -76,6 +106,9 @@ pub(super) fn motion(at: &mut At, field: &str, motion: Motion, unit: &str) {
     let number = format_args!("{field}[0]");
     match motion {
         Motion::Free | Motion::Held => {}
+        Motion::Displacement(value) if unit == "rad" => {
+            at.number(number, value, |angle: f64| angle.abs() <= MAX_TURN, ANGLE);
+        }
         Motion::Displacement(value) => {
             at.finite(number, value, &format!("a displacement in {unit}"));
         }

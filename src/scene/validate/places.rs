@@ -1,6 +1,7 @@
 //! Where walls and particles are: no particle is behind a wall, or so far away that numbers are too
 //! coarse.
 
+use std::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Display;
 
 use crate::scene::format::Wall;
@@ -63,6 +64,11 @@ pub(super) fn are_alike(a: &Wall, b: &Wall) -> bool {
 /// Whether two straight walls are parallel, with their insides in opposite directions.
 pub(super) fn are_opposite(a: &Wall, b: &Wall) -> bool {
     cosine(a, b) < ASKEW - 1.0
+}
+
+/// Whether two straight walls are nearer to a right angle than to parallel.
+pub(super) fn are_askew(a: &Wall, b: &Wall) -> bool {
+    cosine(a, b).abs() < FRAC_1_SQRT_2
 }
 
 /// Distance from the line of a wall to the start of another along the inward normal, m.

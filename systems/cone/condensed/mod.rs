@@ -173,10 +173,7 @@ impl Condensed {
         if let Some(solution) = swept.take_if(|s| s.status == SolveStatus::Solved) {
             return solution;
         }
-        let Some(matrix) = self.matrix.of(program) else {
-            let message = "no order of elimination was found".to_owned();
-            return ConeSolution { message, ..ConeSolution::default() };
-        };
+        let matrix = self.matrix.of(program);
         let mut posed = Posed::new(program, &self.settings, matrix, demand);
         if let Some(swept) = swept {
             let solution = posed.interior_after(&swept);
@@ -199,7 +196,13 @@ impl Condensed {
             start.fill([0.0; 3]);
             forces = Some(forces_in_units(program, &program.last_forces));
         }
-        posed.interior(&start, forces.as_deref())
+        let solution = posed.interior(&start, forces.as_deref());
+        if solution.status != SolveStatus::Stalled || !program.is_dynamic() {
+            return solution;
+        }
+        // A body that hits another goes elsewhere than in the last increment. No start decides.
+        start.fill([0.0; 3]);
+        posed.interior(&start, None)
     }
 }
 

@@ -29,7 +29,7 @@ impl LinearResponse {
         loads: &[[f64; 3]],
         misfits: &[[f64; 2]],
     ) -> Option<Vec<[f64; 3]>> {
-        let matrix = self.0.of(program)?;
+        let matrix = self.0.of(program);
         let order = matrix.order().to_vec();
         let scaled = matrix.pose(program);
         let (du, df) = program.scales.units();

@@ -40,7 +40,7 @@ pub fn column(count: u32, compliance: f64) -> ConeProgram {
 /// A program in the order of its matrix, and the place of every body.
 pub fn posed(program: &ConeProgram) -> (Scaled, BodyMatrix, Vec<usize>) {
     let pairs: Vec<_> = super::images::pairs(program).collect();
-    let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs).unwrap();
+    let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs);
     let place = super::matrix::places(matrix.order());
     let scaled = matrix.pose(program);
     (scaled, matrix, place)

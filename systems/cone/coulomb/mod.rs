@@ -109,7 +109,7 @@ impl Coulomb {
         if is_associated || is_found {
             return trial.into_solution(0);
         }
-        let Some(matrix) = self.matrix.of(program) else { return trial.into_solution(0) };
+        let matrix = self.matrix.of(program);
         // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
         scaled.scales.force = unit_of_force(program, start);

@@ -119,7 +119,7 @@ impl Elimination<'_> {
         let of_pair =
             |k: &usize| program.pair(&program.locals[*k]).map(|i| number(i) as u32).into();
         let pairs: Vec<(u32, u32)> = used.iter().map(of_pair).collect();
-        let mut matrix = BodyMatrix::new(bodies.len(), &pairs)?;
+        let mut matrix = BodyMatrix::new(bodies.len(), &pairs);
         let place = places(matrix.order());
         let number = |i: usize| place[number(i)];
         let bodies: Vec<usize> = matrix.order().iter().map(|k| bodies[*k]).collect();

@@ -1,10 +1,6 @@
 //! The order of elimination, approximate minimum degree on the graph of bodies and interactions; the
 //! order of the fronts, children before parents and task by task; and a place for all their numbers.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::sparse::SymbolicSparseColMatRef;
-use faer::sparse::linalg::amd;
-
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};
 use super::merge::{Group, columns, merge};
@@ -20,11 +16,10 @@ pub struct PairPlace {
     pub bodies: [usize; 2],
 }
 
-/// The fronts of `bodies` bodies coupled by `pairs`, and the place of every pair. `None` if faer finds
-/// no order.
-pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<PairPlace>)> {
+/// The fronts of `bodies` bodies coupled by `pairs`, and the place of every pair.
+pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> (Fronts, Vec<PairPlace>) {
     let neighbours = Adjacency::of_neighbours(bodies, pairs);
-    let mut fronts = fronts(&minimum_degree(&neighbours)?, &neighbours);
+    let mut fronts = fronts(&minimum_degree(&neighbours), &neighbours);
     let place = places(&fronts.order);
     let mut of_place = vec![(0, 0); bodies];
     for (task, of_task) in fronts.tasks.iter().enumerate() {
@@ -48,7 +43,7 @@ pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> Option<(Fronts, Vec<Pair
         fronts.pairs.push(rows.map(|row| row as u32));
     }
     fronts.pair_starts = of_fronts.starts().to_vec();
-    Some((fronts, of_pair))
+    (fronts, of_pair)
 }
 
 /// The fronts of bodies with these neighbours, eliminated in this order or in one that gives the
@@ -241,18 +236,12 @@ pub fn places(order: &[usize]) -> Vec<usize> {
     places
 }
 
-/// Bodies in the order of elimination (Amestoy, Davis and Duff 1996); `None` if faer refuses the
-/// pattern.
-pub fn minimum_degree(neighbours: &Adjacency) -> Option<Vec<usize>> {
-    let n = neighbours.bodies();
-    if n == 0 {
-        return Some(Vec::new());
-    }
-    let (starts, neighbours) = (neighbours.starts(), neighbours.entries());
-    let pattern = SymbolicSparseColMatRef::<usize>::new_checked(n, n, starts, None, neighbours);
-    let (mut forward, mut inverse) = (vec![0; n], vec![0; n]);
-    let mut memory = MemBuffer::new(amd::order_scratch::<usize>(n, neighbours.len()));
-    let stack = MemStack::new(&mut memory);
-    amd::order(&mut forward, &mut inverse, pattern, amd::Control::default(), stack).ok()?;
-    Some(forward)
+/// Bodies in the order of elimination (Amestoy, Davis and Duff 1996).
+///
+/// # Panics
+/// If a neighbour is no body.
+pub fn minimum_degree(neighbours: &Adjacency) -> Vec<usize> {
+    let (starts, entries) = (neighbours.starts(), neighbours.entries());
+    let order = amd::order(neighbours.bodies(), starts, entries, &amd::Control::default());
+    order.expect("neighbours are bodies").0
 }

@@ -324,7 +324,7 @@ mod tests {
                 }
             }
             for _ in 0..20 {
-                let mut matrix = UnsymmetricMatrix::new(bodies, &pairs).unwrap();
+                let mut matrix = UnsymmetricMatrix::new(bodies, &pairs);
                 let order = matrix.order().to_vec();
                 let n = 3 * bodies;
                 let mut dense = Mat::<f64>::zeros(n, n);
@@ -385,7 +385,7 @@ mod tests {
             pool.install(|| {
                 let mut random = ChaCha8Rng::seed_from_u64(1);
                 let mut uniform = move || random.next_u32() as f64 / f64::from(u32::MAX) - 0.5;
-                let mut matrix = UnsymmetricMatrix::new(bodies, &pairs).unwrap();
+                let mut matrix = UnsymmetricMatrix::new(bodies, &pairs);
                 assert!(matrix.fronts.tasks.len() > 20);
                 for place in 0..bodies {
                     let mut values = matrix.assembly();

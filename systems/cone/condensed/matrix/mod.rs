@@ -67,43 +67,44 @@ pub type UnsymmetricMatrix = Matrix<Lu>;
 /// The matrix of a program, kept while its pairs of bodies stay.
 pub(crate) struct Kept<A: Arithmetic> {
     pairs: Vec<(u32, u32)>,
-    matrix: Option<Matrix<A>>,
+    matrix: Matrix<A>,
 }
 
 impl<A: Arithmetic> Default for Kept<A> {
     fn default() -> Self {
-        Self { pairs: Vec::new(), matrix: None }
+        Self { pairs: Vec::new(), matrix: Matrix::new(0, &[]) }
     }
 }
 
 impl<A: Arithmetic> Kept<A> {
-    /// The matrix with the pattern of a program; `None` if no order of elimination is found.
-    pub fn of(&mut self, program: &ConeProgram) -> Option<&mut Matrix<A>> {
+    /// The matrix with the pattern of a program.
+    pub fn of(&mut self, program: &ConeProgram) -> &mut Matrix<A> {
         let bodies = program.bodies.len();
         let pairs = images::pairs(program);
-        let is_known = pairs.clone().eq(self.pairs.iter().copied())
-            && self.matrix.as_ref().is_some_and(|m| m.bodies.len() == bodies);
-        if !is_known {
+        if self.matrix.bodies.len() != bodies || !pairs.clone().eq(self.pairs.iter().copied()) {
             self.pairs = pairs.collect();
             self.matrix = Matrix::new(bodies, &self.pairs);
         }
-        self.matrix.as_mut()
+        &mut self.matrix
     }
 }
 
 impl<A: Arithmetic> Matrix<A> {
-    /// The pattern of `bodies` bodies coupled by `pairs`; `None` if faer finds no order for it.
+    /// The pattern of `bodies` bodies coupled by `pairs`.
+    ///
+    /// # Panics
+    /// If a pair has a body that is not one of them.
     #[must_use]
-    pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Option<Self> {
-        let (fronts, places) = layout::of_pairs(bodies, pairs)?;
-        Some(Self {
+    pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Self {
+        let (fronts, places) = layout::of_pairs(bodies, pairs);
+        Self {
             places,
             bodies: vec![A::Body::default(); bodies],
             pairs: vec![A::Pair::default(); pairs.len()],
             factor: Factor::new(&fronts),
             fronts,
             images: Images::default(),
-        })
+        }
     }
 
     /// Bodies in the order of elimination. All other functions number bodies by this order.
