@@ -56,6 +56,13 @@ pub fn plan<E: std::fmt::Display>(
                     "{place}.{name}: no field; name the fields of the scene that it stands for"
                 )));
             }
+            let is_constant = |field: &&String| field.contains('=') && !field.contains("{}");
+            if let Some(field) = fields.iter().find(is_constant) {
+                return Err(wrong(format!(
+                    "{place}.{name}: `{field}` has no place for the value; write `{{}}` there, \
+                     or give it to all runs in `set`"
+                )));
+            }
         }
     }
     if let Some(name) = study.average_over.iter().find(|name| !plan.names.contains(name)) {
@@ -98,6 +105,14 @@ impl Plan {
                 None if name == SCENE && study.scene.is_none() => {}
                 None => run.sets.push(format!("{name}={value}")),
             }
+        }
+        let path = |set: &String| set.split_once('=').map(|(path, _)| path.trim().to_owned());
+        let of_names = &run.sets[study.set.len()..];
+        let is_twice =
+            |k: &usize| of_names[..*k].iter().any(|set| path(set) == path(&of_names[*k]));
+        if let Some(twice) = (0..of_names.len()).find(is_twice) {
+            let field = path(&of_names[twice]).unwrap_or_default();
+            return Err(format!(": two of its names set `{field}`; leave one of them out"));
         }
         let mut sets = run.sets.clone();
         if let Some(prepare) = &study.prepare {

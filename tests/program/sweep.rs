@@ -115,6 +115,16 @@ fn a_mistake_is_told_before_anything_runs() {
         ("\"stages.pull.increments\"", "\"stages.pul.increments\"", "stages.pul"),
         ("scene: \"tension\"", "scene: \"tensoin\"", "did you mean `tension`?"),
         (
+            "strength\"]",
+            "strength=1.0e3\"]",
+            "settings.strength: `materials.cemented.bond.tensile_strength=1.0e3` has no place",
+        ),
+        (
+            "\"stages.pull.increments\"",
+            "\"materials.cemented.bond.tensile_strength\"",
+            "run 1 (strength 1.0e3, materials.cemented.bond.tensile_strength 150): two of its names set",
+        ),
+        (
             "runs: Grid",
             "runs: Grit",
             "study.ron:6:11: runs: unknown variant `Grit`; did you mean `Grid`?",

@@ -9,7 +9,7 @@
 //! 3. A program in which every force has a compliance goes to a Newton iteration from the last
 //!    displacements (`newton`, `local`): near a solution it takes two factorisations.
 //! 4. The [`interior`] point decides all else: solved, collapsed with its mechanism, locked with
-//!    its forces, or stalled at the limit of arithmetic.
+//!    its forces, or stalled at the limit of arithmetic. In dynamics it then starts again from zero.
 //!
 //! [`settings`] has the numbers that steer these steps, `sweeps` its own.
 

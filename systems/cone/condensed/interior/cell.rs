@@ -288,7 +288,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         for q in 0..Q {
             self.defect[q] = w[q] - law.right[q] + law.limit(q, s);
-            size.primal = size.primal.max(self.defect[q].abs());
+            // A slack that is far larger than all forces has a round-off that may be larger too.
+            let round_off = f64::EPSILON * (w[q] + law.right[q]);
+            size.primal = size.primal.max(self.defect[q].abs() - round_off);
             size.product = size.product.max(w[q] * lambda[q]);
             size.products += w[q] * lambda[q];
             size.strength += law.right[q] * lambda[q];
