@@ -5,7 +5,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{AddedPairs, Centre};
+use clastic_components::findings::AddedPairs;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
 
 use crate::detect_contacts::candidates::CandidatePairs;
@@ -29,7 +29,6 @@ pub fn judge(
     tables: SolvedTables,
     candidates: Res<CandidatePairs>,
     mut added: ResMut<AddedPairs>,
-    mut centre: ResMut<Centre>,
     mut attempt: ResMut<Attempt>,
 ) {
     let (acceptance, analysis) = settings;
@@ -49,18 +48,12 @@ pub fn judge(
         let reach = NEAR * bodies.mean_radius + NEAR_OF_MOTION * approach;
         after.gap(bodies, *a, *b) <= reach
     };
-    add(&mut added, &mut centre, missed(MAX_NEAR * bodies.mean_radius).into_iter().filter(near));
+    add(&mut added, missed(MAX_NEAR * bodies.mean_radius).into_iter().filter(near));
     attempt.verdict = Verdict::Again;
 }
 
-/// Adds pairs to the next program. The centre of the regularisation has followed a motion without
-/// them, which may be far away.
-pub(super) fn add(
-    pairs: &mut AddedPairs,
-    centre: &mut Centre,
-    new: impl Iterator<Item = (u32, u32)>,
-) {
-    *centre = Centre::default();
+/// Adds pairs to the next program.
+pub(super) fn add(pairs: &mut AddedPairs, new: impl Iterator<Item = (u32, u32)>) {
     pairs.0.extend(new);
     pairs.0.sort_unstable();
     pairs.0.dedup();

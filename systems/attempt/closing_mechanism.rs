@@ -64,7 +64,9 @@ pub fn judge(
         let gaps = closing.iter().map(|(a, b)| start.gap(bodies, *a, *b));
         let nearest = gaps.fold(f64::INFINITY, f64::min);
         attempt.magnitudes = Some((nearest.max(program.scales.displacement), program.scales.force));
-        add(&mut pairs, &mut centre, closing.into_iter());
+        add(&mut pairs, closing.into_iter());
+        // The regularisation has followed the mechanism, perhaps for kilometres.
+        *centre = Centre::default();
         attempt.verdict = Verdict::Again;
     }
 }

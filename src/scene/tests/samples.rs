@@ -85,7 +85,7 @@ Scene(
                 "left": Velocity(0.1, 0.0),
                 "top": Fixed,
                 "bottom": Follow(Displacement([(0.0, 0.0, 0.0), (1.0, 0.0, -1e-3)])),
-                "plate": Lid(load: Stress(stress: 1e5, between: ("left", "right")), slide: Velocity(0.1)),
+                "plate": Lid(load: Force(2.0), slide: Velocity(0.1)),
                 "bowl": Follow(Stress(stress: [(0.0, 0.0), (0.5, 1e3)])),
             },
             remove_walls: ["right"],

@@ -8,13 +8,6 @@ use crate::scene::suggest;
 use super::findings::At;
 use super::places::{are_askew, are_opposite, length};
 
-/// Maximum rotation of a wall or a body in an increment, rad. Gaps are those of the rotation to first
-/// order for a disk that moves with the wall, whose error is that share squared of its motion.
-pub(super) const MAX_TURN: f64 = 0.2;
-
-/// What an imposed angle is.
-pub(super) const ANGLE: &str = "an angle of one increment in rad, at most 0.2 (11 degrees)";
-
 /// Checks a wall that a stage needs. Returns the wall if it exists.
 pub(super) fn wall_there<'a>(
     at: &mut At<'_, 'a>,
@@ -106,9 +99,6 @@ pub(super) fn motion(at: &mut At, field: &str, motion: Motion, unit: &str) {
     let number = format_args!("{field}[0]");
     match motion {
         Motion::Free | Motion::Held => {}
-        Motion::Displacement(value) if unit == "rad" => {
-            at.number(number, value, |angle: f64| angle.abs() <= MAX_TURN, ANGLE);
-        }
         Motion::Displacement(value) => {
             at.finite(number, value, &format!("a displacement in {unit}"));
         }

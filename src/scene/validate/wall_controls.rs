@@ -6,9 +6,11 @@ use crate::scene::format::{Analysis, LidLoad, Slide, Table, WallControl};
 use crate::scene::suggest;
 
 use super::findings::At;
-use super::parts::{
-    ANGLE, MAX_TURN, ONE_PIECE, are_apart, needs_time, one_piece, straight, wall_there,
-};
+use super::parts::{ONE_PIECE, are_apart, needs_time, one_piece, straight, wall_there};
+
+/// Maximum rotation of a wall in an increment, rad. Gaps are those of the rotation to first order
+/// for a disk that moves with the wall, whose error is that share squared of its motion.
+const MAX_TURN: f64 = 0.2;
 
 /// Checks the control of a wall in a stage, which may have no time.
 pub(super) fn control_of_wall(at: &mut At, name: &str, control: &WallControl, increments: u32) {
@@ -31,7 +33,8 @@ pub(super) fn control_of_wall(at: &mut At, name: &str, control: &WallControl, in
         }
         WallControl::Rotation { about, angle } => {
             at.place("about", *about);
-            at.number("angle", *angle, |angle: f64| angle.abs() <= MAX_TURN, ANGLE);
+            let what = "an angle of one increment in rad, at most 0.2 (11 degrees)";
+            at.number("angle", *angle, |angle: f64| angle.abs() <= MAX_TURN, what);
         }
         WallControl::Spin { about, angular_velocity } => {
             at.place("about", *about);

@@ -13,6 +13,9 @@ use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
 use super::point::Warm;
 
+/// Slack of a limit, in units of force, from which its residual is round-off and tells nothing.
+const FAR: f64 = 1e9;
+
 /// One interaction.
 #[derive(Clone)]
 pub struct Cell<const F: usize, const Q: usize> {
@@ -288,9 +291,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         for q in 0..Q {
             self.defect[q] = w[q] - law.right[q] + law.limit(q, s);
-            // A slack that is far larger than all forces has a round-off that may be larger too.
-            let round_off = f64::EPSILON * (w[q] + law.right[q]);
-            size.primal = size.primal.max(self.defect[q].abs() - round_off);
+            if w[q] < FAR {
+                size.primal = size.primal.max(self.defect[q].abs());
+            }
             size.product = size.product.max(w[q] * lambda[q]);
             size.products += w[q] * lambda[q];
             size.strength += law.right[q] * lambda[q];
