@@ -2,7 +2,9 @@
 
 use std::path::Path;
 
-use super::format::{Ordered, Runs, StudyError};
+use indexmap::IndexMap;
+
+use super::format::{Runs, StudyError};
 use crate::scene::reader::verbatim::Verbatim;
 
 /// Names and values of a run, the values in RON. An empty value is none.
@@ -13,8 +15,9 @@ pub(super) fn combinations(runs: &Runs, file: &Path) -> Result<Vec<Values>, Stud
     match runs {
         Runs::Grid(axes) => Ok(grid(axes)),
         Runs::List(list) => {
-            let row =
-                |run: &Ordered<Verbatim>| run.0.iter().map(|(name, of)| value(name, of)).collect();
+            let row = |run: &IndexMap<String, Verbatim>| {
+                run.iter().map(|(name, of)| value(name, of)).collect()
+            };
             Ok(list.iter().map(row).collect())
         }
         Runs::Table(path) => table(&file.parent().unwrap_or(Path::new("")).join(path)),
@@ -30,8 +33,8 @@ fn value(name: &str, value: &Verbatim) -> (String, String) {
 }
 
 /// Every combination of the values. The last name changes fastest.
-fn grid(axes: &Ordered<Vec<Verbatim>>) -> Vec<Values> {
-    axes.0.iter().fold(vec![Vec::new()], |rows, (name, values)| {
+fn grid(axes: &IndexMap<String, Vec<Verbatim>>) -> Vec<Values> {
+    axes.iter().fold(vec![Vec::new()], |rows, (name, values)| {
         let longer = |row: &Values| -> Vec<Values> {
             values.iter().map(|of| [row.as_slice(), &[value(name, of)]].concat()).collect()
         };

@@ -13,12 +13,10 @@
 //! )
 //! ```
 
-use std::fmt;
-use std::marker::PhantomData;
 use std::path::{Path, PathBuf};
 
+use indexmap::IndexMap;
 use serde::Deserialize;
-use serde::de::{Deserializer, MapAccess, Visitor};
 
 use crate::scene::SceneErrors;
 use crate::scene::reader::read::read_sound;
@@ -40,7 +38,7 @@ pub struct Study {
     pub scene: Option<PathBuf>,
     /// Several scenes, each with a name. The name [`SCENE`] of a run says which one it has.
     #[serde(default)]
-    pub scenes: Ordered<PathBuf>,
+    pub scenes: IndexMap<String, PathBuf>,
     /// The run whose saved state is the specimen of the runs.
     pub prepare: Option<Preparation>,
     /// Settings that all runs have, `PATH=VALUE` as after `--set`.
@@ -49,7 +47,7 @@ pub struct Study {
     /// Fields of the scene that a name stands for, as paths, or as `PATH=VALUE` with `{}` in the
     /// place of the value. A name without an entry is a path itself.
     #[serde(default)]
-    pub settings: Ordered<Vec<String>>,
+    pub settings: IndexMap<String, Vec<String>>,
     /// Names of the runs over which `study_means.csv` averages, such as the seed.
     #[serde(default)]
     pub average_over: Vec<String>,
@@ -74,56 +72,21 @@ pub struct Preparation {
     pub set: Vec<String>,
     /// Names of the runs on which the preparation depends, with the fields of its scene.
     #[serde(default)]
-    pub settings: Ordered<Vec<String>>,
+    pub settings: IndexMap<String, Vec<String>>,
 }
 
-/// The runs of a study. A value is any value of a scene, in RON.
+/// The runs of a study. A value is any value of a scene, in RON. Maps keep the order of the text.
 #[derive(Debug, Deserialize)]
 pub enum Runs {
     /// Every combination of the values of the names. The last name changes fastest.
-    Grid(Ordered<Vec<Verbatim>>),
+    Grid(IndexMap<String, Vec<Verbatim>>),
     /// One run per entry, which gives its names their values.
-    List(Vec<Ordered<Verbatim>>),
+    List(Vec<IndexMap<String, Verbatim>>),
     /// One run per row of a CSV file, relative to that of the study. Its columns are names.
     Table(PathBuf),
     /// The runs of each entry, one entry after the other. A run lacks the names that only other
     /// entries have.
     Several(Vec<Runs>),
-}
-
-/// A map that keeps the order of the text.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Ordered<V>(pub Vec<(String, V)>);
-
-impl<V> Ordered<V> {
-    /// Value of a key.
-    pub fn get(&self, key: &str) -> Option<&V> {
-        self.0.iter().find(|(known, _)| known == key).map(|(_, value)| value)
-    }
-}
-
-impl<'de, V: Deserialize<'de>> Deserialize<'de> for Ordered<V> {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_map(Entries(PhantomData))
-    }
-}
-
-struct Entries<V>(PhantomData<V>);
-
-impl<'de, V: Deserialize<'de>> Visitor<'de> for Entries<V> {
-    type Value = Ordered<V>;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a map")
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut access: A) -> Result<Self::Value, A::Error> {
-        let mut entries = Vec::new();
-        while let Some(entry) = access.next_entry()? {
-            entries.push(entry);
-        }
-        Ok(Ordered(entries))
-    }
 }
 
 /// Why a study cannot be run.
@@ -166,7 +129,7 @@ impl Study {
 /// Settings of a scene, `PATH=VALUE`, that give a name a value. `settings` has the fields of a
 /// name; `None` if it does not have the name.
 pub(super) fn sets(
-    settings: &Ordered<Vec<String>>,
+    settings: &IndexMap<String, Vec<String>>,
     name: &str,
     value: &str,
 ) -> Option<Vec<String>> {

@@ -1,5 +1,6 @@
 //! From a study to its runs: every combination of settings, each checked before anything runs.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -45,7 +46,7 @@ pub fn plan<E: std::fmt::Display>(
     let of_preparation =
         study.prepare.iter().map(|prepare| ("prepare.settings", &prepare.settings));
     for (place, settings) in [("settings", &study.settings)].into_iter().chain(of_preparation) {
-        for (name, fields) in &settings.0 {
+        for (name, fields) in settings {
             if !plan.names.contains(name) {
                 return Err(wrong(format!(
                     "{place}: no run has `{name}`; give it values in `runs`, or leave it out"
@@ -106,13 +107,10 @@ impl Plan {
                 None => run.sets.push(format!("{name}={value}")),
             }
         }
-        let path = |set: &String| set.split_once('=').map(|(path, _)| path.trim().to_owned());
-        let of_names = &run.sets[study.set.len()..];
-        let is_twice =
-            |k: &usize| of_names[..*k].iter().any(|set| path(set) == path(&of_names[*k]));
-        if let Some(twice) = (0..of_names.len()).find(is_twice) {
-            let field = path(&of_names[twice]).unwrap_or_default();
-            return Err(format!(": two of its names set `{field}`; leave one of them out"));
+        let of_names = run.sets[study.set.len()..].iter().filter_map(|set| set.split_once('='));
+        let mut set = BTreeSet::new();
+        if let Some((path, _)) = of_names.into_iter().find(|(path, _)| !set.insert(path.trim())) {
+            return Err(format!(": two of its names set `{path}`; leave one of them out"));
         }
         let mut sets = run.sets.clone();
         if let Some(prepare) = &study.prepare {
@@ -152,7 +150,7 @@ impl Plan {
             sets: prepare.set.clone(),
             ..PlannedRun::default()
         };
-        for (name, _) in &prepare.settings.0 {
+        for (name, _) in &prepare.settings {
             let Some((_, value)) = values.iter().find(|(known, _)| known == name) else {
                 return Err(format!(": its preparation needs a value of `{name}`"));
             };
@@ -180,12 +178,12 @@ impl Plan {
 
 /// The scene of a run with some values.
 fn scene<'a>(study: &'a Study, values: &[(String, String)]) -> Result<&'a Path, String> {
-    match (&study.scene, study.scenes.0.as_slice()) {
-        (Some(scene), []) => return Ok(scene),
-        (None, [_, ..]) => {}
+    match &study.scene {
+        Some(scene) if study.scenes.is_empty() => return Ok(scene),
+        None if !study.scenes.is_empty() => {}
         _ => return Err(": give the study either `scene` or `scenes`".to_owned()),
     }
-    let known: Vec<_> = study.scenes.0.iter().map(|(name, _)| name.as_str()).collect();
+    let known: Vec<_> = study.scenes.keys().map(String::as_str).collect();
     let Some((_, value)) = values.iter().find(|(name, _)| name == SCENE) else {
         return Err(format!(": give it a `{SCENE}`: one of {}", known.join(", ")));
     };

@@ -30,8 +30,8 @@ pub(crate) fn read_sound<T: DeserializeOwned>(text: &str, file: &Path) -> Result
     sound.ok_or_else(|| SceneErrors::new(file, &EditedText::of(text), mistakes))
 }
 
-/// Reads a tree. Returns its meaning with what the reading has recorded: if that has mistakes, the
-/// probable meaning, as far as it can be determined.
+/// Reads a tree, and records its mistakes. If it has any, the value is what was probably meant;
+/// `None` if nothing can be made of it.
 pub(in crate::scene) fn read<T: DeserializeOwned>(root: &Node) -> (Option<T>, Notes) {
     // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();

@@ -29,19 +29,9 @@ impl<'t> Spans<'t> {
     /// Span of a value.
     #[must_use]
     pub fn value(&self, path: &str) -> Option<Span> {
-        Some(self.find(path)?.node.span.clone())
-    }
-
-    /// Span of the key of a value.
-    #[must_use]
-    pub fn key(&self, path: &str) -> Option<Span> {
-        Some(self.find(path)?.key?.span.clone())
-    }
-
-    fn find(&self, path: &str) -> Option<Found<'_, 't>> {
         let steps = parse_path(path)?;
         let found = descend(self.0.as_ref()?, &steps);
-        (found.depth == steps.len()).then_some(found)
+        (found.depth == steps.len()).then(|| found.node.span.clone())
     }
 }
 

@@ -3,7 +3,8 @@
 //! A mistake is recorded in the [`Context`](super::context::Context) with its path and place, and
 //! the reading continues with a made-up value: 1, an empty list, `None` or a first variant.
 
-use serde::de::{self, DeserializeOwned, Visitor};
+use serde::de::value::StrDeserializer;
+use serde::de::{self, DeserializeOwned, IntoDeserializer as _, Visitor};
 
 use super::access::{Items, Pairs, Variant};
 use super::context::{Context, Failure, found};
@@ -175,7 +176,8 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         visitor: V,
     ) -> Result<V::Value, Failure> {
         if name == verbatim::NAME {
-            return visitor.visit_str(self.node.literal);
+            let text: StrDeserializer<'_, Failure> = self.node.literal.into_deserializer();
+            return visitor.visit_newtype_struct(text);
         }
         visitor.visit_newtype_struct(self)
     }

@@ -1,32 +1,10 @@
 //! A value that is kept as its text.
 
-use std::fmt;
-
-use serde::de::{Deserialize, Deserializer, Error, Visitor};
+use serde::Deserialize;
 
 /// Name by which the [reader](super::tree_reader) knows such a value.
-pub(super) const NAME: &str = "clastic::Verbatim";
+pub(super) const NAME: &str = "Verbatim";
 
 /// The text of a value of any type.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize)]
 pub struct Verbatim(pub String);
-
-impl<'de> Deserialize<'de> for Verbatim {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        deserializer.deserialize_newtype_struct(NAME, Text)
-    }
-}
-
-struct Text;
-
-impl Visitor<'_> for Text {
-    type Value = Verbatim;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("a value")
-    }
-
-    fn visit_str<E: Error>(self, text: &str) -> Result<Verbatim, E> {
-        Ok(Verbatim(text.to_owned()))
-    }
-}

@@ -9,7 +9,7 @@
 //! 3. A program in which every force has a compliance goes to a Newton iteration from the last
 //!    displacements (`newton`, `local`): near a solution it takes two factorisations.
 //! 4. The [`interior`] point decides all else: solved, collapsed with its mechanism, locked with
-//!    its forces, or stalled at the limit of arithmetic. A time step then starts again from zero.
+//!    its forces, or stalled at the limit of arithmetic.
 //!
 //! [`settings`] has the numbers that steer these steps, `sweeps` its own.
 
@@ -196,13 +196,7 @@ impl Condensed {
             start.fill([0.0; 3]);
             forces = Some(forces_in_units(program, &program.last_forces));
         }
-        let solution = posed.interior(&start, forces.as_deref());
-        if solution.status != SolveStatus::Stalled || !program.has_momentum() {
-            return solution;
-        }
-        // A body that hits another goes elsewhere than in the last increment. No start decides.
-        start.fill([0.0; 3]);
-        posed.interior(&start, None)
+        posed.interior(&start, forces.as_deref())
     }
 }
 

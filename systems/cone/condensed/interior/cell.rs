@@ -13,9 +13,6 @@ use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
 use super::point::Warm;
 
-/// Slack of a limit, in units of force, from which its residual is round-off and tells nothing.
-const FAR: f64 = 1e9;
-
 /// One interaction.
 #[derive(Clone)]
 pub struct Cell<const F: usize, const Q: usize> {
@@ -291,9 +288,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         for q in 0..Q {
             self.defect[q] = w[q] - law.right[q] + law.limit(q, s);
-            if w[q] < FAR {
-                size.primal = size.primal.max(self.defect[q].abs());
-            }
+            // The round-off of a limit that is far above all forces may exceed every residual.
+            let round_off = f64::EPSILON * (w[q] + law.right[q]);
+            size.primal = size.primal.max(self.defect[q].abs() - round_off);
             size.product = size.product.max(w[q] * lambda[q]);
             size.products += w[q] * lambda[q];
             size.strength += law.right[q] * lambda[q];
