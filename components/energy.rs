@@ -86,46 +86,30 @@ impl Energies {
         ]
     }
 
-    /// Energies from their terms, J, in the order of [`to_array`](Self::to_array).
-    #[must_use]
-    pub fn from_array(terms: [f64; 13]) -> Self {
-        let [
-            external,
-            gravity,
-            exchange,
-            kinetic,
-            elastic,
-            friction,
-            rolling,
-            dilation,
-            collision,
-            rupture,
-            motion,
-            turning,
-            numerical,
-        ] = terms;
-        Self {
-            external,
-            gravity,
-            exchange,
-            kinetic,
-            elastic,
-            friction,
-            rolling,
-            dilation,
-            collision,
-            rupture,
-            motion,
-            turning,
-            numerical,
-        }
+    fn terms_mut(&mut self) -> [&mut f64; 13] {
+        [
+            &mut self.external,
+            &mut self.gravity,
+            &mut self.exchange,
+            &mut self.kinetic,
+            &mut self.elastic,
+            &mut self.friction,
+            &mut self.rolling,
+            &mut self.dilation,
+            &mut self.collision,
+            &mut self.rupture,
+            &mut self.motion,
+            &mut self.turning,
+            &mut self.numerical,
+        ]
     }
 }
 
 impl std::ops::AddAssign for Energies {
     fn add_assign(&mut self, other: Self) {
-        let (own, others) = (self.to_array(), other.to_array());
-        *self = Self::from_array(std::array::from_fn(|k| own[k] + others[k]));
+        for (own, other) in self.terms_mut().into_iter().zip(other.to_array()) {
+            *own += other;
+        }
     }
 }
 

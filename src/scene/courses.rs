@@ -55,8 +55,10 @@ pub(super) struct Sampled<'t> {
     pub points: Node<'t>,
     /// Number of increments.
     pub increments: f64,
-    /// Mistakes in the expressions. The points are made up if there are any.
+    /// Mistakes in the expressions.
     pub findings: Vec<Finding>,
+    /// Whether the points are made up, because of these or of a name without a number.
+    pub is_made_up: bool,
 }
 
 /// Finds the tables that are given by expressions.
@@ -165,8 +167,9 @@ impl<'t> Course<'_, 't> {
             let finding = self.mistake(part, names);
             findings.extend(finding.map(|(message, help)| Finding::new(&part.path, message, help)));
         }
+        let mut is_made_up = !findings.is_empty();
         let mut k = 0.0;
-        while k <= increments && findings.is_empty() {
+        while k <= increments && !is_made_up {
             let (s, t) = (k / increments, dt.map(|dt| k * dt));
             let of = |name: &str| match name {
                 "s" => Some(s),
@@ -176,19 +179,19 @@ impl<'t> Course<'_, 't> {
             let mut point = vec![t.unwrap_or(s)];
             for Part { node, path, expression } in &self.parts {
                 let value = expression.as_ref().and_then(|expression| expression.value(&of));
-                let value = value.unwrap_or(f64::NAN);
-                if !value.is_finite() {
+                is_made_up |= !value.is_some_and(f64::is_finite);
+                if let Some(value) = value.filter(|value| !value.is_finite()) {
                     let literal = node.literal;
                     let message = format!("`{literal}` has no finite value at s = {s} ({value})");
                     let help = "it needs one from s = 0, the start of the stage, to s = 1, its end";
                     findings.push(Finding::new(path, message, help));
                 }
-                point.push(value);
+                point.extend(value);
             }
             points.push(point);
             k += 1.0;
         }
-        if !findings.is_empty() {
+        if is_made_up {
             points = [0.0, 1.0].map(|x| [vec![x], vec![0.0; self.parts.len()]].concat()).to_vec();
         }
         let Part { node: first, .. } = &self.parts[0];
@@ -198,7 +201,7 @@ impl<'t> Course<'_, 't> {
             first.as_group(Shape::Tuple, numbers)
         });
         let points = first.as_group(Shape::List, points);
-        Sampled { points, increments, findings }
+        Sampled { points, increments, findings, is_made_up }
     }
 
     /// What is wrong with an expression, apart from its unit and its values, and the remedy.

@@ -59,21 +59,6 @@ pub(super) fn names(root: &Node) -> Vec<String> {
     defined_names(root).into_keys().collect()
 }
 
-/// Names of `let` without a number, once numbers are put in.
-pub(super) fn without_number(root: &Node) -> Vec<String> {
-    let has_number = |node: &Node| ron::from_str::<f64>(node.value()).is_ok();
-    let broken = defined(root).iter().filter(|entry| !has_number(&entry.value));
-    broken.filter_map(|entry| Some(entry.key.as_ref()?.text.clone())).collect()
-}
-
-/// Whether a value has one of these names in place of a number.
-pub(super) fn has_any(node: &Node, names: &[String]) -> bool {
-    let has = |expression: Expression| {
-        expression.names().iter().any(|word| names.iter().any(|name| name == word))
-    };
-    expression(node).is_some_and(has)
-}
-
 /// What names and expressions of a text have come to.
 #[derive(Default)]
 pub(super) struct Values {
@@ -81,7 +66,7 @@ pub(super) struct Values {
     pub placed: Vec<Placed>,
     /// Tables that expressions stood for: path and number of increments.
     pub tables: Vec<(String, f64)>,
-    /// Paths of such tables whose points are made up.
+    /// Paths of tables and numbers that are made up.
     pub made_up: Vec<String>,
 }
 
@@ -135,15 +120,20 @@ fn replacements<'t>(root: &Node<'t>) -> (Values, Replacements<'t>) {
     let value = |name: &str| Some(numbers.get(name)?.0);
     let mut replacements = Replacements::new();
     for at in uses.iter().filter(|at| at.own.is_empty()) {
-        let number = match &at.expression {
+        let new = match (&at.expression, at.expression.value(&value)) {
             // As it is written: a seed has more digits than a number with a point.
-            Expression::Name(name) if numbers.contains_key(name) => numbers[name].1.clone(),
-            expression => match expression.value(&value).filter(|value| value.is_finite()) {
-                Some(value) => value.to_string(),
-                None => continue,
-            },
+            (Expression::Name(name), Some(_)) if numbers.contains_key(name) => {
+                at.node.as_number(&numbers[name].1)
+            }
+            (_, Some(value)) if value.is_finite() => at.node.as_number(&value.to_string()),
+            // A name of `let` without a number has a message there.
+            (_, None) if !at.path.starts_with("let.") => {
+                values.made_up.push(at.path.clone());
+                at.node.as_group(Shape::MadeUp, [])
+            }
+            _ => continue,
         };
-        replacements.insert(at.node.span.start, (at.node.as_number(&number), 1));
+        replacements.insert(at.node.span.start, (new, 1));
     }
     let names: Vec<String> = places.into_keys().collect();
     let mut left = courses::MOST;
@@ -151,7 +141,7 @@ fn replacements<'t>(root: &Node<'t>) -> (Values, Replacements<'t>) {
         let sampled = course.sample(&names, &value, &mut left);
         let first = course.parts[0].node.span.start;
         replacements.insert(first, (sampled.points, course.parts.len()));
-        if !sampled.findings.is_empty() {
+        if sampled.is_made_up {
             values.made_up.push(course.path.clone());
         }
         findings.extend(sampled.findings);

@@ -8,8 +8,7 @@ use super::{Analysis, Bond, Compact, Load, Pour, Record, Select};
 
 /// A stage. A text may also have `Repeat(times: n, stages: [...])`, which stands for its stages one
 /// after the other, with `.1`, `.2` and so on after their names.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug, PartialEq, Serialize)]
 pub enum Stage {
     /// Moves a wall against the particles until the packing has the wanted density or height.
     /// Bodies are rigid and frictionless and take the smallest feasible motion. All other walls

@@ -15,10 +15,8 @@ use crate::scene::format::VERSION;
 pub(super) struct Context<'a> {
     /// Paths of missing fields that the reading makes up.
     pub absent: &'a [String],
-    /// Names that `let` defines.
+    /// Names that stand for numbers.
     pub values: &'a [String],
-    /// Those that have no number, about which `let` has a message.
-    pub without_number: &'a [String],
     notes: RefCell<Notes>,
 }
 
@@ -35,8 +33,8 @@ pub(in crate::scene) struct Notes {
 
 impl<'a> Context<'a> {
     /// The context of a reading that has recorded nothing yet.
-    pub fn new(absent: &'a [String], values: &'a [String], without_number: &'a [String]) -> Self {
-        Self { absent, values, without_number, notes: RefCell::default() }
+    pub fn new(absent: &'a [String], values: &'a [String]) -> Self {
+        Self { absent, values, notes: RefCell::default() }
     }
 
     /// What the reading has recorded.

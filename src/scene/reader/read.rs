@@ -36,9 +36,9 @@ pub(in crate::scene) fn read<T: DeserializeOwned>(root: &Node) -> (Option<T>, No
     // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();
     let mut absent: Vec<String> = Vec::new();
-    let (values, without_number) = (values::names(root), values::without_number(root));
+    let values = values::names(root);
     loop {
-        let cx = Context::new(&absent, &values, &without_number);
+        let cx = Context::new(&absent, &values);
         let value = T::deserialize(Reader::new(&cx, root, String::new()));
         let mut notes = cx.into_notes();
         if let Err(failure) = &value {

@@ -60,7 +60,7 @@ impl<'t> Node<'t> {
         Self { number: Some(number.into()), ..self.as_group(Shape::Number, []) }
     }
 
-    /// A list or a tuple in place of this value, and with its place.
+    /// A list, a tuple or a made-up value in place of this one, and with its place.
     pub fn as_group(&self, shape: Shape, values: impl IntoIterator<Item = Self>) -> Self {
         let entries = values.into_iter().map(|value| Entry { key: None, value }).collect();
         let Self { span, literal, .. } = self;

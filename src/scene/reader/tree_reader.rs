@@ -60,11 +60,8 @@ impl<'a> Reader<'a> {
 
     pub(super) fn expected_with(&self, what: &str, help: impl Into<String>) -> Self {
         if !self.is_made_up() {
-            let in_let = self.path == "let" || self.path.starts_with("let.");
-            if in_let || !values::has_any(self.node, self.cx.without_number) {
-                let message = format!("expected {what}, found {}", found(self.node));
-                self.cx.note(self.node.span.start, &self.path, message, help);
-            }
+            let message = format!("expected {what}, found {}", found(self.node));
+            self.cx.note(self.node.span.start, &self.path, message, help);
             self.cx.made_up(self.path.clone());
         }
         self.made_up()
