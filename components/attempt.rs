@@ -64,10 +64,7 @@ pub enum Verdict {
     /// A step of a motion is accepted, and the motion goes on.
     Moving,
     /// A step of a motion is accepted, and the motion has come to rest.
-    AtRest {
-        /// Whether the motion has displaced the bodies.
-        moved: bool,
-    },
+    AtRest,
     /// A step of a motion is accepted, and its grains have travelled too far to come to rest.
     GivesWay(
         /// Their travel.
@@ -139,8 +136,7 @@ pub struct Attempt {
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,
-    /// What keeps grains from being thrown: the load of bodies in rejected solutions. Empty before
-    /// the first rejection.
+    /// What keeps bodies from being thrown: their load in rejected solutions.
     pub bearing: Vec<Bearing>,
     /// The solution with the smallest residual of all that did not converge.
     pub best: Option<Unconverged>,

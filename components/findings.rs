@@ -92,12 +92,14 @@ pub struct Sliding {
     pub lost: bool,
     /// Number of solves in this increment that did not converge.
     pub failures: u32,
-    /// Whether Coulomb's law has rejected an equilibrium of this increment.
-    pub rejected: bool,
+    /// Minimum residual of the equilibria of this increment that Coulomb's law has rejected, if it has
+    /// rejected any.
+    pub rejected: Option<f64>,
 }
 
 impl Sliding {
-    /// Maximum residual at which a solution under Coulomb's law is committed.
+    /// Residual at which a solution under Coulomb's law is committed, if
+    /// [`Acceptance::residual`](crate::increment::Acceptance::residual) is not above it.
     pub const BOUND: f64 = 1e-4;
 }
 

@@ -18,8 +18,8 @@ use crate::turns::{is_imposed, of_pairs};
 /// displacement of one radius, in which it passes no other grain.
 const WAY: f64 = 0.3;
 
-/// The grain with the maximum travel, and this travel in its radii. Grains with an imposed motion have
-/// none.
+/// The grain with the maximum travel, and this travel in its radii. Grains whose whole translation is
+/// imposed have none.
 #[must_use]
 pub fn furthest(solved: Solved) -> Option<(usize, f64)> {
     let Solved { bodies, contacts, solution, .. } = solved;

@@ -60,7 +60,7 @@ pub fn too_far(solved: Solved, acceptance: &Acceptance) -> Option<(usize, f64)> 
 }
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.
-/// Grains with an imposed motion do not count.
+/// Grains whose whole translation is imposed do not count.
 #[must_use]
 pub fn of_loaded(solved: Solved) -> f64 {
     let Solved { bodies, program, .. } = solved;
@@ -86,7 +86,7 @@ pub fn is_unsupported(solved: Solved) -> bool {
 
 /// By grain, the maximum turn in the increment of its bonds and of its contacts that carry load, rad. A grain
 /// without any has the minimum turn of its pairs, since it may lie on any of them, and a grain
-/// without pairs or with an imposed motion has none. A member of a rigid group turns by at least as
+/// without pairs or with a translation that is imposed has none. A member of a rigid group turns by at least as
 /// much as the group.
 #[must_use]
 pub fn turns(solved: Solved) -> Vec<f64> {
@@ -108,11 +108,13 @@ fn of_grains(Solved { bodies, solution, .. }: Solved, pairs: &PairTurns) -> Vec<
     (0..bodies.particles).map(of_grain).collect()
 }
 
-/// Whether a grain has an imposed motion, alone or with its rigid group.
+/// Whether the whole motion of the centre of a grain is imposed, alone or with its rigid group.
 pub(crate) fn is_imposed(bodies: &BodyTable, i: usize) -> bool {
     let imposes = |d: &BodyDrive| matches!(d, BodyDrive::Imposed(_));
-    bodies.drives[i][..2].iter().any(imposes)
-        || bodies.group(i).is_some_and(|group| group.drives.iter().any(imposes))
+    match bodies.group(i) {
+        Some(group) => group.drives.iter().all(imposes),
+        None => bodies.drives[i][..2].iter().all(imposes),
+    }
 }
 
 /// Turns by grain, rad.

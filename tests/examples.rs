@@ -49,7 +49,6 @@ examples! {
     custom_wall in "../examples/custom_wall.rs"
     embed in "../examples/embed.rs"
     fixed_update in "../examples/fixed_update.rs"
-    follow_bodies in "../examples/follow_bodies.rs"
     interpolated in "../examples/interpolated.rs"
     load_until_collapse in "../examples/load_until_collapse.rs"
     run_app in "../examples/run_app.rs"

@@ -5,6 +5,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::contact::BodyTable;
+use clastic_components::domain::RESIDUAL;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::WallName;
@@ -52,15 +53,16 @@ pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String 
 fn of_equilibrium(world: &World) -> Vec<String> {
     let acceptance = world.resource::<Acceptance>();
     let mut remedies = Vec::new();
-    if let Some(worst) = nearly(world) {
+    let of_coulomb = world.resource::<Sliding>().rejected;
+    let worst = of_coulomb.unwrap_or(world.resource::<ConeSolution>().residuals.worst());
+    let is_near = if of_coulomb.is_some() { RESIDUAL.has(worst) } else { worst <= GOOD };
+    if is_near && worst > acceptance.residual {
         remedies.push(format!("a greater `acceptance.residual` ({worst:.1e} was reached)"));
     }
     if acceptance.turn < Acceptance::default().turn {
         remedies.push("a greater `acceptance.turn`".to_owned());
     }
-    let of_coulomb = world.resource::<Sliding>().rejected;
-    if of_coulomb {
-        remedies.push("an `acceptance.residual` above that of the best solution".to_owned());
+    if of_coulomb.is_some() {
         remedies.push("`friction_law: Associated`".to_owned());
     }
     if world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static {
@@ -117,12 +119,4 @@ fn with_wall_names(world: &World, text: String) -> String {
             None => text,
         }
     })
-}
-
-/// Maximum residual of the best solution of the increment, if this solution is usable and only
-/// `acceptance.residual` rejects it.
-fn nearly(world: &World) -> Option<f64> {
-    let worst = world.resource::<ConeSolution>().residuals.worst();
-    let accepted = world.resource::<Acceptance>().residual;
-    (worst > accepted && worst <= GOOD).then_some(worst)
 }

@@ -49,20 +49,16 @@ pub(super) fn pour(world: &mut World) {
     // A halved increment brings its grains at its start.
     let increments = (progress.done.floor() + 1.0).min(total);
     let due = rate.due(increments, total, dt);
-    let come = |poured: &Poured| match rate.is_of_mass() {
-        true => poured.mass - poured.before.1,
-        false => (poured.number - poured.before.0) as f64,
-    };
     let scene = &script.scene;
     let first = Grain::next(scene, &stage.stream, poured);
-    if !first.is_due(rate, due, come(poured)) {
+    if !first.is_due(rate, due, come(rate, poured)) {
         return;
     }
     let (stream, scene, mut poured) = (stage.stream.clone(), scene.clone(), *poured);
     let mut room = Room::new(world);
     loop {
         let grain = Grain::next(&scene, &stream, &poured);
-        if !grain.is_due(rate, due, come(&poured)) {
+        if !grain.is_due(rate, due, come(rate, &poured)) {
             break;
         }
         let place = room.find(stream.through, grain.disk.radius, || {
@@ -89,6 +85,26 @@ pub(super) fn pour(world: &mut World) {
         }
     }
     world.insert_resource(poured);
+}
+
+/// Number or mass (kg) that has come in the stage.
+fn come(rate: Rate, poured: &Poured) -> f64 {
+    if rate.is_of_mass() {
+        poured.mass - poured.before.1
+    } else {
+        (poured.number - poured.before.0) as f64
+    }
+}
+
+/// Share of what is due in a whole stage that has come, where a grain waits for room.
+pub(super) fn came(world: &World, stage: &Stage) -> Option<f64> {
+    let Stage::Pour(stage) = stage else { return None };
+    let poured = world.get_resource::<Poured>().filter(|poured| poured.waits_since.is_some())?;
+    let AnalysisKind::Dynamic { dt, .. } = world.resource::<ClasticAnalysis>().kind else {
+        return None;
+    };
+    let (rate, total) = (stage.stream.rate, world.resource::<ClasticProgress>().total);
+    Some(come(rate, poured) / rate.due(total, total, dt))
 }
 
 /// Random numbers of a kind for the grain or place with this index in the stage. Stages of one seed

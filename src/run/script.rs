@@ -87,12 +87,15 @@ pub struct StageEnd {
     pub passed: Option<f64>,
     /// Porosity of the packing that a compaction has left jammed.
     pub jammed_at: Option<f64>,
+    /// Share of the number or mass due of a `Pour` that has come, where grains wait for room.
+    pub came: Option<f64>,
 }
 
 impl StageEnd {
     /// Warning about capped increments and those out of balance, about a measure that has passed
-    /// the value on which it should land, about stop conditions that never held, and about
-    /// particles that are set aside; `None` if the stage has none of them.
+    /// the value on which it should land, about stop conditions that never held, about grains
+    /// that have not come, and about particles that are set aside; `None` if the stage has none of
+    /// them.
     #[must_use]
     pub fn warning(&self) -> Option<String> {
         let Self { rows, capped, unbalanced, .. } = self;
@@ -118,6 +121,12 @@ impl StageEnd {
         if let (Some(stop), Some(EndedBy::AllIncrements)) = (&self.stop, self.ended_by) {
             all.push(format!(
                 "stage {stage} ended with the last of its increments and did not reach {stop:?}"
+            ));
+        }
+        if let (Some(came), Some(EndedBy::AllIncrements)) = (self.came, self.ended_by) {
+            all.push(format!(
+                "stage {stage} ended while grains waited for room: {:.1} % of what was due had come",
+                (1000.0 * came).floor() / 10.0
             ));
         }
         if self.set_aside > 0 {

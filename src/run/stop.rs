@@ -91,11 +91,12 @@ pub fn end_increment(world: &mut World) {
     };
     let done = world.resource::<ClasticProgress>().done;
     let is_unbalanced = status.is_committed() && world.resource::<Corrections>().capped;
+    let came = super::pour::came(world, stage);
     let set_aside = world.query_filtered::<(), With<SetAside>>().iter(world).count() as u64;
     if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
         end.rows += 1;
         end.increments = done.ceil() as u64;
-        end.set_aside = set_aside;
+        (end.set_aside, end.came) = (set_aside, came);
         end.capped += u64::from(status == IncrementStatus::Capped);
         end.unbalanced += u64::from(is_unbalanced);
         (end.ended_by, end.stop, end.passed) = (ended_by, held, passed);

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::planned::Plan;
-use super::table::RESULTS;
+use super::table::{RESULTS, result};
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
 use crate::output::csv_file::Row;
@@ -65,11 +65,11 @@ pub fn groups(plan: &Plan, records: &[Value], over: &[String]) -> Vec<Group> {
     let group = |(values, records): (Vec<String>, Vec<&Value>)| {
         let all = records.len();
         let sound: Vec<_> = records.into_iter().filter(|r| marks(r).is_empty()).collect();
-        let result = |name: &&str| {
-            let values: Vec<_> = sound.iter().filter_map(|r| r["results"][name].as_f64()).collect();
+        let spread = |name: &&str| {
+            let values: Vec<_> = sound.iter().filter_map(|r| result(r, name).as_f64()).collect();
             Spread::of(&values)
         };
-        let results = RESULTS.iter().map(result).collect();
+        let results = RESULTS.iter().map(spread).collect();
         Group { values, runs: sound.len(), marked: all - sound.len(), results }
     };
     groups.into_iter().map(group).collect()

@@ -14,8 +14,8 @@ use crate::output::marks::marks;
 /// Name of the table in the directory of a study.
 pub const FILE: &str = "study.csv";
 
-/// Key results of `run.json` that are columns, after the values.
-pub const RESULTS: [&str; 18] = [
+/// Results of `run.json` that are columns, after the values.
+pub const RESULTS: [&str; 20] = [
     "youngs_modulus_pa",
     "youngs_modulus_secant_half_peak_pa",
     "peak_stress_pa",
@@ -34,7 +34,18 @@ pub const RESULTS: [&str; 18] = [
     "friction_angle_rad",
     "crack_initiation_stress_pa",
     "crack_damage_stress_pa",
+    "peak_force_n",
+    "peak_moment_nm",
 ];
+
+/// One of these results of a run; null if the run has none.
+pub fn result<'r>(record: &'r Value, name: &str) -> &'r Value {
+    match name {
+        "peak_force_n" => &record["peak_force"]["force_n"],
+        "peak_moment_nm" => &record["peak_force"]["moment_nm"],
+        _ => &record["results"][name],
+    }
+}
 
 /// Outcome of a run that was not made.
 const NOT_RUN: &str = "not run";
@@ -61,7 +72,7 @@ pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputEr
             .with(record["outcome"]["status"].as_str().unwrap_or(NOT_RUN))
             .with(&*marks(record).join("; "))
             .and(["increments", "capped_increments"].map(|name| number(&record[name])))
-            .and(RESULTS.map(|name| number(&record["results"][name])));
+            .and(RESULTS.map(|name| number(result(record, name))));
         text.push_str(&row.line());
     }
     write_atomic(path, text)
@@ -110,15 +121,16 @@ mod tests {
             ..Plan::default()
         };
         let record = json!({ "outcome": { "status": "completed" }, "increments": 4,
-            "capped_increments": 0, "results": { "peak_stress_pa": 2.5, "bonds_intact": 3 } });
+            "capped_increments": 0, "results": { "peak_stress_pa": 2.5, "bonds_intact": 3 },
+            "peak_force": { "force_n": 7.5 } });
         let dir = tempfile::tempdir()?;
         let path = dir.path().join("study.csv");
         write(&path, &plan, &[record, Value::Null])?;
         let text = std::fs::read_to_string(&path)?;
         let lines: Vec<_> = text.lines().collect();
         assert!(lines[0].starts_with("run,mu,status,marks,increments,capped_increments,youngs"));
-        assert_eq!(lines[1], "a,0.2,completed,,4,0,,,2.5,,,,,,,,,3,,,,,,");
-        assert_eq!(lines[2], "b,0.4,not run,not run,,,,,,,,,,,,,,,,,,,,");
+        assert_eq!(lines[1], "a,0.2,completed,,4,0,,,2.5,,,,,,,,,3,,,,,,,7.5,");
+        assert_eq!(lines[2], "b,0.4,not run,not run,,,,,,,,,,,,,,,,,,,,,,");
         assert_eq!(read(&path)?, [("a".to_owned(), "mu 0.2".to_owned())]);
         Ok(())
     }

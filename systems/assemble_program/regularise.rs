@@ -98,7 +98,7 @@ fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
 }
 
 /// Forces below this fraction of the maximum force count as zero.
-const MIN_LOAD: f64 = 1e-6;
+pub(crate) const MIN_LOAD: f64 = 1e-6;
 
 /// The pairs of bodies with more than `MIN_LOAD` of the maximum force. `forces` are in N.
 pub fn loaded_pairs(

@@ -4,8 +4,8 @@
 //! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`],
 //! [`loose_grains`], [`push_out`], [`reached`], [`through_walls`], [`dense`]. [`bonds::collect`] then takes
 //! the bonds on a limit where no judge has chosen others. For a step of a motion only [`converged`],
-//! [`coulomb`], [`motion::judge_length`], [`closed_pairs`] and [`motion::judge_rest`] run. The
-//! tables of [`findings`](clastic_components::findings) keep their findings until the increment is
+//! [`coulomb`], [`motion::judge_length`], [`closed_pairs`], [`through_walls`] and
+//! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their findings until the increment is
 //! committed. Only judges set a verdict, and [`mod@next`] alone maps it to the next action.
 //!
 //! Attempts work on the tables that were gathered when the increment began. Entities are written
@@ -87,6 +87,7 @@ impl Plugin for AttemptPlugin {
                     carry_members.run_if(has_groups).run_if(impossible),
                     closing_mechanism::judge.run_if(impossible),
                     loose_grains::judge.run_if(impossible),
+                    through_walls::judge.run_if(in_motion),
                     motion::judge_rest.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),
                     reached::judge.run_if(has_restitution).run_if(in_equilibrium),

@@ -195,16 +195,24 @@ pub fn judge_rest(
     };
     let is_free = motion.weight <= settings.min_weight;
     // A step is solved loosely, and forces beyond the bound are none of an equilibrium.
-    let is_balanced = solution.residuals.worst() <= Sliding::BOUND;
+    let is_balanced = solution.residuals.worst() <= acceptance.residual.max(Sliding::BOUND);
     let at_rest = (is_balanced
         && motion.weight <= settings.rest_weight
         && far <= motion.length * settings.max_travel_at_rest)
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
     let travelled = motion.travelled + far;
-    // The step that makes the imposed motions moves bodies, if only those.
-    let moved = !attempt.is_driven || travelled > min_travel(&acceptance, &settings);
+    let is_idle = at_rest && !motion.released && travelled <= min_travel(&acceptance, &settings);
+    if is_idle && attempt.is_proved {
+        // What moves in the proved mechanism is no grain, but a gate that nothing touches.
+        attempt.verdict = Verdict::GivesWay("the followed motion moves no grain".to_owned());
+        return;
+    }
     if at_rest || travelled <= settings.travel_to_rest {
-        attempt.verdict = if at_rest { Verdict::AtRest { moved } } else { Verdict::Moving };
+        attempt.verdict = if at_rest { Verdict::AtRest } else { Verdict::Moving };
+        // Another motion from here would move as little.
+        if is_idle {
+            attempt.motions = settings.max_motions;
+        }
         return;
     }
     let gives_way = format!(
@@ -220,7 +228,7 @@ pub fn judge_rest(
         Lost::Falling => Verdict::Moving,
         Lost::Grains(grains) => {
             attempt.left = grains;
-            Verdict::AtRest { moved }
+            Verdict::AtRest
         }
     };
 }

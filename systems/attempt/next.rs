@@ -16,6 +16,8 @@ pub struct Budget {
     pub half: bool,
     /// Whether the increment searches for the next event.
     pub searches: bool,
+    /// Whether bonds may break at a part of the increment: one by one, or together.
+    pub breaks: bool,
     /// Whether a far turn is that of no jump: it has shrunk with the last halving, or none was tried.
     pub shrinks: bool,
     /// Whether a proved mechanism has been followed.
@@ -74,7 +76,7 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
         Verdict::Overloaded => Next::Approach,
         Verdict::Loose if can_follow => Next::Follow,
         // Bonds may break at a load below the one that has no equilibrium.
-        Verdict::Impossible | Verdict::Loose if budget.searches && budget.half => Next::Halve,
+        Verdict::Impossible | Verdict::Loose if budget.breaks && budget.half => Next::Halve,
         // The motion may end where the specimen finds new support.
         Verdict::Impossible if can_follow && !budget.is_proved => Next::Follow,
         Verdict::Impossible | Verdict::Loose => Next::End(IncrementStatus::Collapsed),
@@ -93,8 +95,7 @@ fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next 
 fn after_motion(motion: &Motion, verdict: &Verdict, budget: Budget) -> Next {
     match verdict {
         Verdict::Again => Next::Solve,
-        // A specimen that does not move after a rupture is at rest where it is.
-        Verdict::AtRest { moved } if *moved || motion.released => Next::Rest,
+        Verdict::AtRest => Next::Rest,
         Verdict::GivesWay(_) if budget.is_proved => Next::End(IncrementStatus::Collapsed),
         Verdict::GivesWay(_) if motion.repeated => Next::Prove,
         Verdict::GivesWay(_) => Next::Repeat,
@@ -129,6 +130,7 @@ mod tests {
         step: true,
         half: true,
         searches: true,
+        breaks: true,
         shrinks: false,
         is_proved: false,
     };
@@ -159,15 +161,14 @@ mod tests {
             Verdict::Locked,
             Verdict::TooFar(reason.clone()),
             Verdict::Moving,
-            Verdict::AtRest { moved: true },
-            Verdict::AtRest { moved: false },
+            Verdict::AtRest,
             Verdict::GivesWay(reason),
         ]
     }
 
     fn budgets() -> impl Iterator<Item = Budget> {
         let is = |bits: u32, k: u32| bits & (1 << k) != 0;
-        (0..128).map(move |bits| Budget {
+        (0..256).map(move |bits| Budget {
             follows: is(bits, 0),
             motion: is(bits, 1),
             step: is(bits, 2),
@@ -175,6 +176,7 @@ mod tests {
             searches: is(bits, 4),
             shrinks: is(bits, 5),
             is_proved: is(bits, 6),
+            breaks: is(bits, 7),
         })
     }
 
@@ -272,13 +274,10 @@ mod tests {
     }
 
     #[test]
-    fn a_motion_at_rest_ends_in_an_equilibrium_unless_it_led_nowhere() {
+    fn a_motion_at_rest_and_no_other_ends_in_an_equilibrium() {
         every(|mode, verdict, budget, next| {
-            let (Mode::Motion(motion), Verdict::AtRest { moved }) = (mode, verdict) else {
-                return assert_ne!(next, Next::Rest, "{mode:?} {verdict:?} {budget:?}");
-            };
-            let is_there = *moved || motion.released;
-            assert_eq!(next == Next::Rest, is_there, "{motion:?} {moved} {budget:?}");
+            let is_there = matches!((mode, verdict), (Mode::Motion(_), Verdict::AtRest));
+            assert_eq!(next == Next::Rest, is_there, "{mode:?} {verdict:?} {budget:?}");
         });
     }
 
@@ -296,9 +295,9 @@ mod tests {
         for budget in [ALL, Budget { half: false, is_proved: true, ..ALL }] {
             assert_eq!(next(&mode, &Verdict::Loose, budget), Next::Follow);
         }
-        let spent = Budget { motion: false, searches: true, ..ALL };
+        let spent = Budget { motion: false, ..ALL };
         assert_eq!(next(&mode, &Verdict::Loose, spent), Next::Halve);
-        let spent = Budget { motion: false, searches: false, ..ALL };
+        let spent = Budget { motion: false, breaks: false, ..ALL };
         assert_eq!(next(&mode, &Verdict::Loose, spent), Next::End(IncrementStatus::Collapsed));
     }
 

@@ -70,10 +70,7 @@ fn complain(attempt: &mut Attempt, verdict: &Verdict, next: Next) {
     if let (Mode::Motion(motion), Next::Halve | Next::OneRound | Next::End(_)) =
         (&attempt.mode, next)
     {
-        let end = match verdict {
-            Verdict::AtRest { .. } => "no body moves under these loads".to_owned(),
-            _ => format!("the followed motion failed after {} steps", motion.steps),
-        };
+        let end = format!("the followed motion failed after {} steps", motion.steps);
         // A fraction of the increment that fails like the one before adds nothing.
         if !attempt.complaint.ends_with(&end) {
             let gap = if attempt.complaint.is_empty() { "" } else { "; " };
@@ -224,6 +221,7 @@ fn begin_increment(world: &mut World) {
 fn budget(world: &World) -> Budget {
     let attempt = world.resource::<Attempt>();
     let settings = world.resource::<MotionSettings>();
+    let search = world.resource::<EventSearch>();
     // The limit refers to a whole increment and not to the last fraction. Otherwise a specimen
     // without equilibrium would continue in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
@@ -232,7 +230,8 @@ fn budget(world: &World) -> Budget {
         motion: attempt.motions < settings.max_motions,
         step: motion::has_step(attempt, world.resource(), settings),
         half: 0.5 * world.resource::<ClasticProgress>().fraction >= finest,
-        searches: world.resource::<EventSearch>().active,
+        searches: search.active,
+        breaks: search.active || search.dense,
         shrinks: attempt.motions == 0
             && attempt.turn.is_some_and(|turn| {
                 attempt.halved_turn.is_none_or(|halved| turn <= SHRUNK * halved)

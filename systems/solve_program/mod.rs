@@ -80,7 +80,7 @@ fn renumber_memory(rows: Res<KeptRows>, bodies: Res<BodyTable>, mut solver: ResM
     solver.0.remember(&memory);
 }
 
-/// Residual at which the solver may stop in a step of a motion. Only the equilibrium after the
+/// Residual at which the solver may stop in a step of a motion under the associated law. Only the equilibrium after the
 /// motion is committed.
 const RESIDUAL_OF_MOTION: f64 = 1e-3;
 

@@ -38,7 +38,7 @@ pub fn law_of(
     finding: &Sliding,
 ) -> Option<clastic_components::increment::Coulomb> {
     let is_left_out =
-        attempt.mode == Mode::Proof || (attempt.motion().is_some() && !finding.rejected);
+        attempt.mode == Mode::Proof || (attempt.motion().is_some() && finding.rejected.is_none());
     law.coulomb(analysis.kind).filter(|_| !is_left_out)
 }
 
@@ -85,14 +85,15 @@ pub fn solve_sliding(
     if is_static && too_far(solved, &acceptance).is_some() {
         return;
     }
-    let enough = solution.tolerance;
+    let bound = acceptance.residual.max(Sliding::BOUND);
+    // What an equilibrium leaves out of balance drives the motion after it: a step that leaves as much
+    // moves nothing.
+    let enough = if moves { bound } else { solution.tolerance };
     // The solver treats the regularisation as part of the program, but the residual below counts it
     // as an error. The margin keeps a solution that just converges from failing.
     let patient = finding.failures < MAX_FAILURES && !moves;
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
-    // The tolerance of a motion must be so small that states which only the associated law balances
-    // show as out of balance.
-    let aim = MARGIN * if moves { enough.min(Sliding::BOUND) } else { enough };
+    let aim = MARGIN * enough;
     let asked = super::asked(enough, &analysis, &attempt, &bodies);
     let at_once = first_point_suffices(&associated, &analysis, &program, asked);
     let goal = if at_once { Goal::enough(aim) } else { Goal::exact(aim) };
@@ -101,7 +102,7 @@ pub fn solve_sliding(
     // with them.
     let last = if is_swept { None } else { last_solution(&program) };
     let (of_first, of_second) = match last {
-        Some(_) if !rejected => (max - max / 10, max / 10),
+        Some(_) if rejected.is_none() => (max - max / 10, max / 10),
         _ => (max, max),
     };
     let mut found = solver.0.solve(&program, &solution, goal, of_first);
@@ -129,8 +130,10 @@ pub fn solve_sliding(
     let worst = solution.residuals.worst();
     // The status is that of the associated law or of a start. The finding has the result.
     finding.natural_map = residuals::natural_map(&program, &solution);
-    finding.lost = !(worst <= enough.max(Sliding::BOUND));
-    finding.rejected |= finding.lost && !moves;
+    finding.lost = !(worst <= bound);
+    if finding.lost && !moves {
+        finding.rejected = Some(rejected.map_or(worst, |least| least.min(worst)));
+    }
     finding.capped = !finding.lost && worst > enough;
 }
 
@@ -141,6 +144,7 @@ fn last_solution(program: &ConeProgram) -> Option<ConeSolution> {
     let mut forces = program.last_forces.clone();
     forces.resize(program.interactions.len(), [0.0; 3]);
     forces.iter().any(|f| f[0] != 0.0).then(|| ConeSolution {
+        law: SlidingLaw::Coulomb,
         forces,
         displacements: program.imposed(),
         ..ConeSolution::default()

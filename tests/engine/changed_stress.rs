@@ -54,3 +54,33 @@ fn a_changed_stress_acts_in_the_next_increment_and_does_not_jump() {
         }
     }
 }
+
+/// A column of elastic disks that is unloaded to nothing keeps its lid where it just opens. Any gap is a
+/// solution, and the lid was thrown by 0.3 to 20 times the closure of the loaded column, depending on the
+/// number of increments.
+#[test]
+fn a_column_that_is_unloaded_to_nothing_keeps_its_lid() {
+    for increments in [1, 2, 4, 10, 40] {
+        let disks: String = (0..5)
+            .map(|i| format!("(position: (0.01, {:?}), radius: 0.01),", 0.01 + 0.02 * f64::from(i)))
+            .collect();
+        let scene = common::parse(&format!(
+            "(version: 1, title: \"column\",
+              materials: {{ \"m\": (contact: (normal_stiffness: 1e7, tangential_stiffness: 1e7, friction: 0.5)) }},
+              specimen: Particles([{disks}]),
+              walls: [
+                (name: \"floor\", start: (0.0, 0.0), end: (0.02, 0.0), contact: (normal_stiffness: 1e7)),
+                (name: \"lid\", start: (0.02, 0.1), end: (0.0, 0.1), probe: \"lid\", contact: (normal_stiffness: 1e7)),
+                (name: \"left\", start: (0.0, 0.1), end: (0.0, 0.0)),
+                (name: \"right\", start: (0.02, 0.0), end: (0.02, 0.1))],
+              stages: [Load(name: \"load\", increments: {increments}, walls: {{ \"lid\": Force(1000.0) }}),
+                Load(name: \"unload\", increments: {increments}, walls: {{ \"lid\": Force(0.0) }})])"
+        ));
+        let (records, _) = common::run(&scene);
+        let lid = |record: &Observation| common::probe(record, "lid").motion[1];
+        let loaded = records.iter().map(lid).fold(0.0, f64::min);
+        // Two walls and four pairs in series, each with 1000 N over 1e7 N/m.
+        common::assert_relative(loaded, -6.0e-4, 1e-6);
+        common::assert_within(lid(records.last().unwrap()), 0.0, 1e-8);
+    }
+}

@@ -377,3 +377,29 @@ fn a_tilted_block_falls_back_or_topples_by_its_angle() {
         assert!((height - expected).abs() < 0.01, "{degrees} degrees: {height} m");
     }
 }
+
+/// A slope of rigid grains that were poured, whose friction falls. Steps of a motion left more out of
+/// balance than what they were to relieve, moved nothing, and the increment was undecided.
+#[test]
+fn a_poured_slope_follows_its_loss_of_friction() {
+    let scene = parse(
+        "(version: 1, title: \"poured slope\", analysis: Dynamic(dt: 2.0e-3), acceptance: (residual: 1.0e-4),
+          gravity: (0.0, -9.81), friction_law: Coulomb(),
+          materials: { \"stone\": (density: 2650.0, contact: (friction: 0.5, rolling_friction: 0.2)) },
+          specimen: Packing(count: 160, columns: 16, spacing: 12.5e-3, origin: (0.0, 0.0),
+            sizes: Uniform(radius: (4.0e-3, 6.0e-3)), seed: 1),
+          walls: [
+            (name: \"floor\", start: (-0.5, 0.0), end: (0.6, 0.0), contact: (friction: 0.7, rolling_friction: 0.3)),
+            (name: \"left\", start: (-0.008, 0.5), end: (-0.008, 0.0), contact: (friction: 0.3, rolling_friction: 0.1)),
+            (name: \"right\", shape: Segment, start: (0.205, 0.0), end: (0.205, 0.5))],
+          stages: [
+            Load(name: \"settle\", increments: 150),
+            Load(name: \"open\", increments: 300, walls: { \"right\": Velocity(0.5, 0.0) }),
+            Load(name: \"rest\", increments: 600, walls: { \"right\": Velocity(0.0, 0.0) }, stop: [Rest(1.0e-3)]),
+            Load(name: \"reduce\", analysis: Static, increments: 8, scale: (strength: [(0.0, 1.0), (1.0, 0.84)]))])",
+    );
+    let (records, outcome) = common::run(&scene);
+    assert_eq!(outcome, Outcome::Completed);
+    let solved = records.iter().rev().take(8).filter(|r| r.status == IncrementStatus::Solved);
+    assert_eq!(solved.count(), 8);
+}

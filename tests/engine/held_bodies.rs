@@ -65,3 +65,26 @@ fn rigid_bodies_that_are_moved_into_each_other_are_named() {
         assert!(message.contains(what), "no `{what}` in: {message}");
     }
 }
+
+/// A disk with a held x, 3 radii above the floor, was a collapse by proof: a body with any imposed
+/// translation counted as one that does not move, and the motion of its fall as at rest.
+#[test]
+fn a_disk_with_one_free_translation_lands() {
+    for held in ["x: Held", "x: Held, rotation: Held"] {
+        for gap in [0.5, 3.0] {
+            let scene = parse(&format!(
+                "(version: 1, title: \"falls\", gravity: (0.0, -9.81),
+                  materials: {{ \"m\": (density: 2000.0, contact: (normal_stiffness: 1.0e6)) }},
+                  specimen: Particles([(position: (0.0, {y:?}), radius: 0.02)]),
+                  walls: [(name: \"floor\", start: (-1.0, 0.0), end: (1.0, 0.0), probe: \"floor\",
+                    contact: (normal_stiffness: 1.0e6))],
+                  stages: [Load(name: \"fall\", increments: 1, particles: [(select: All, {held})])])",
+                y = 0.02 * (1.0 + gap),
+            ));
+            let (records, outcome) = run(&scene);
+            assert_eq!(outcome, Outcome::Completed, "{held}, {gap} radii");
+            let weight = 2000.0 * std::f64::consts::PI * 0.02 * 0.02 * 9.81;
+            assert_relative(probe(&records[0], "floor").force[1], weight, 1e-8);
+        }
+    }
+}

@@ -265,3 +265,22 @@ fn the_bin_that_ships_carries_what_was_poured() {
     assert_eq!(there.len(), 136);
     assert_relative(mass(&there), 1.2010501966374072, 1e-12);
 }
+
+/// A stage that ends while grains wait for room says so: 696 of 1000 grains had come, without a word.
+#[test]
+fn a_pour_that_comes_short_says_so() {
+    let scene = bin(
+        "increments: 50, through: Segment(start: (-0.03, 0.12), end: (0.03, 0.12)), rate: NumberOverStage(100),
+         sizes: Equal(radius: 0.02), seed: 3, material: \"a\"",
+        "",
+    );
+    let mut simulation = Simulation::new(&scene, None);
+    assert_eq!(simulation.run(), Outcome::Completed);
+    let came = disks(&mut simulation).len();
+    let warning =
+        simulation.world().resource::<clastic::run::stages::Script>().ends[0].warning().unwrap();
+    let expected = format!(
+        "stage pour ended while grains waited for room: {came}.0 % of what was due had come"
+    );
+    assert!(came < 10 && warning.contains(&expected), "{came}: {warning}");
+}

@@ -398,3 +398,34 @@ fn no_disk_leaves_a_closed_wall_however_far_an_increment_takes_it() {
         }
     }
 }
+
+/// A plough that moves by two radii an increment left three of five disks behind it.
+#[test]
+fn no_disk_passes_a_thin_wall_in_statics() {
+    for increments in [5, 20] {
+        let disks =
+            [0.1, 0.22, 0.34, 0.46, 0.58].map(|x| DVec2::new(x, 0.05 + 0.013 * (x * 50.0 % 2.0)));
+        let step = 2.0 / f64::from(increments);
+        let plough = "(name: \"floor\", start: (-3.0, 0.0), end: (6.0, 0.0), contact: (normal_stiffness: 1e6)),
+            (name: \"plough\", shape: Segment, start: (0.0, 2.5), end: (0.0, -0.02), probe: \"plough\",
+             contact: (normal_stiffness: 1e6))";
+        let stage = format!(
+            "Load(name: \"push\", increments: {increments}, walls: {{ \"plough\": Displacement({step:?}, 0.0) }})"
+        );
+        let mut scene = rig(&disks, plough, "normal_stiffness: 1e6, friction: 0.3", &stage);
+        scene.gravity = (0.0, 0.0);
+        let mut simulation = Simulation::new(&scene, None);
+        let mut wall = 0.0;
+        while let Some(record) = next(&mut simulation) {
+            wall = probe(&record, "plough").motion[0];
+            for (i, disk) in states(&mut simulation).iter().take(5).enumerate() {
+                assert!(
+                    disk.position.x > wall,
+                    "disk {i} at {} m, wall at {wall} m",
+                    disk.position.x
+                );
+            }
+        }
+        assert_within(wall, 2.0, 1e-12);
+    }
+}

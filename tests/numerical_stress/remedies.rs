@@ -116,7 +116,6 @@ fn finding(message: &str, stage: &Stage) -> &'static str {
         ("moved into each other", "two rigid bodies moved into each other"),
         ("locked", "locked"),
         ("Coulomb's law", "no solution of Coulomb's law"),
-        ("no body moves", "thrown, but a motion moves nothing"),
         ("turns the contacts", "turned too far"),
         ("no solution was found", "no solution"),
         ("cannot prove", "a collapse without proof"),

@@ -61,7 +61,22 @@ pub(super) fn mistakes(
     list.extend(long_bonds(scene, 0.5 * mean));
     list.extend(overlap(scene, seeds));
     list.extend(loose_sides(scene));
+    list.extend(unused_bonds(scene));
     list
+}
+
+/// Warning of a material with bonds in a scene that makes none.
+fn unused_bonds(scene: &Scene) -> Option<String> {
+    let makes = |stage: &Stage| matches!(stage, Stage::Cement(_) | Stage::Custom(_));
+    let is_made = !scene.bonds.is_empty()
+        || scene.stages.iter().any(makes)
+        || matches!(scene.specimen, Specimen::State { .. });
+    let (name, _) =
+        scene.materials.iter().filter(|_| !is_made).find(|(_, of)| of.bond.is_some())?;
+    Some(format!(
+        "no bond has the law materials.{}.bond: `bonds` is empty, and no stage `Cement` makes any",
+        label(name)
+    ))
 }
 
 /// The coefficients of friction of a scene with their places.

@@ -89,8 +89,9 @@ impl Coulomb {
         slides.then_some(start)
     }
 
-    /// Solves a program under Coulomb's law from a solution under the associated law or from forces
-    /// after [sweeps](Self::sweep), in at most `max` factorisations. The result is solved if its
+    /// Solves a program under Coulomb's law from a solution under the associated law, or from forces of
+    /// Coulomb's law, those of the last solution or after [sweeps](Self::sweep), in at most `max`
+    /// factorisations. The result is solved if its
     /// residual is within the tolerance of the goal, otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
@@ -104,8 +105,8 @@ impl Coulomb {
         trial.offer(&start.forces, &start.displacements);
         let is_associated = program.interactions.iter().all(|c| c.limits.has_strength());
         // The associated solution is exact, and nothing slides where it solves Coulomb's law.
-        let is_swept = start.law == SlidingLaw::Coulomb;
-        let is_found = if is_swept { trial.is_sharp() } else { trial.is_within(DEFAULT_RESIDUAL) };
+        let is_of_law = start.law == SlidingLaw::Coulomb;
+        let is_found = if is_of_law { trial.is_sharp() } else { trial.is_within(DEFAULT_RESIDUAL) };
         if is_associated || is_found {
             return trial.into_solution(0);
         }
@@ -118,7 +119,7 @@ impl Coulomb {
         let of = |u: &[f64; 3], d: &[f64; 3]| [0, 1, 2].map(|k| u[k] / d[k]);
         let u: Vec<_> = system.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
         let s: Vec<_> = start.forces.iter().map(|f| of(f, &df)).collect();
-        let product = if is_swept { settings.share * trial.worst } else { settings.product };
+        let product = if is_of_law { settings.share * trial.worst } else { settings.product };
         let z = system.near(&u, &s, product);
         let first = max.min(settings.max_iterations);
         interior::iterate(&mut system, z, &settings.interior, first, &mut trial);

@@ -11,8 +11,9 @@
 pub struct CoulombSettings {
     /// Products at the start of the interior-point iteration from the associated solution.
     pub product: f64,
-    /// Products at the start of the interior-point iteration after sweeps and at the end of an arc, as
-    /// a share of the residual that these leave (decision 004).
+    /// Products at the start of the interior-point iteration from forces of the law, those of the last
+    /// solution or after sweeps, and at the end of an arc, as a share of the residual that these leave
+    /// (decision 004).
     pub share: f64,
     /// Maximum number of factorisations of the interior-point iteration.
     pub max_iterations: u32,
