@@ -44,8 +44,7 @@ pub struct MotionSettings {
     /// Maximum travel, radii, of a step with a weight of at most [`rest_weight`](Self::rest_weight)
     /// that counts as rest.
     ///
-    /// 1e-3: of 260 trusses and arches under forces beyond their snap 9 end undecided, with 0.05 13;
-    /// laboratory tests take as many iterations.
+    /// 0.05: a third of the intended travel of one step; no study.
     pub max_travel_at_rest: f64,
     /// Maximum overload of a bond in a step of a motion that a rupture released. It is the part of
     /// the intended travel of a step, in elongations at strength, by which a bond may exceed its
@@ -59,7 +58,7 @@ pub struct MotionSettings {
     pub first_weight: f64,
     /// Maximum weight of a step that shows whether the motion is at rest.
     ///
-    /// 1e-6: with [`max_travel_at_rest`](Self::max_travel_at_rest) its inertia is at most 1e-7 of the loads.
+    /// 1e-6: with [`max_travel_at_rest`](Self::max_travel_at_rest) its inertia is at most 5e-6 of the loads.
     pub rest_weight: f64,
     /// Number of steps at [`min_weight`](Self::min_weight) that end the motion: bodies that still
     /// move then are free.
@@ -103,7 +102,7 @@ impl Default for MotionSettings {
             max_failures: 10,
             reach: 0.1,
             min_travel: 0.05,
-            max_travel_at_rest: 1e-3,
+            max_travel_at_rest: 0.05,
             max_overload: 1.0 / 3.0,
             first_weight: 1e-3,
             rest_weight: 1e-6,

@@ -45,9 +45,7 @@ fn one_round_of_ruptures_an_increment() {
     }
     assert!(rounds[..8].iter().all(Vec::is_empty), "{rounds:?}");
     assert_eq!(rounds[8..], [vec![1], vec![2], vec![]]);
-    // The last increment is solved again, with weights on the two disks that nothing holds any more.
-    let solves: Vec<_> = records.iter().map(|r| r.solves).collect();
-    assert_eq!(solves, [1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 3]);
+    assert!(records.iter().all(|r| r.solves == 1));
     // In its last increment a bond stays on its limit: 10 (4.5 - u) = 12 cos 30 + 10 u (1/4 + 1).
     let u = (45.0 - 12.0 * 0.75_f64.sqrt()) / 22.5;
     assert_relative(pull(&records[8]), 10.0 * (4.5 - u), TURNS);

@@ -48,12 +48,6 @@ impl At<'_, '_> {
         for (path, name) in names {
             if name.trim().is_empty() {
                 self.add(path, format!("empty {kind}"), "give a name");
-            } else if name.contains(char::is_control) {
-                self.add(
-                    path,
-                    format!("{kind} with a line break or another control character"),
-                    "leave it out",
-                );
             } else if let Some(first) = seen.get(name) {
                 let message = format!("{kind} given twice (`{name}`)");
                 self.add(path, message, format!("it is also that of {first}"));
