@@ -127,7 +127,7 @@ pub struct Attempt {
     pub released_steps: u32,
     /// Whether a step of a followed motion has made the imposed motions of the trial.
     pub is_driven: bool,
-    /// Maximum turn, rad, in the last solution that turned too far, if it is that of a bonded grain.
+    /// Maximum turn, rad, in the last solution, if it is too far and that of a bonded grain.
     pub turn: Option<f64>,
     /// The same in the one for which the increment was halved last.
     pub halved_turn: Option<f64>,

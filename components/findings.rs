@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use crate::bond::Rupture;
 use crate::contact::Contact;
+use crate::increment::Acceptance;
 use clastic_cone::program::Residuals;
 
 /// Sorted pairs that pruned detection left out and that a solution closed.
@@ -98,9 +99,15 @@ pub struct Sliding {
 }
 
 impl Sliding {
-    /// Residual at which a solution under Coulomb's law is committed, if
-    /// [`Acceptance::residual`](crate::increment::Acceptance::residual) is not above it.
+    /// Maximum residual at which a solution under Coulomb's law is committed, unless the scene accepts
+    /// a greater one.
     pub const BOUND: f64 = 1e-4;
+
+    /// The bound of a scene: [`BOUND`](Self::BOUND), or the residual that it accepts if that is greater.
+    #[must_use]
+    pub fn bound(acceptance: &Acceptance) -> f64 {
+        acceptance.residual.max(Self::BOUND)
+    }
 }
 
 /// Geometry of a pair of bodies about a guess of the end of the increment.

@@ -84,10 +84,10 @@ pub fn is_unsupported(solved: Solved) -> bool {
         && furthest(solved, false).is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }
 
-/// By grain, the maximum turn in the increment of its bonds and of its contacts that carry load, rad. A grain
-/// without any has the minimum turn of its pairs, since it may lie on any of them, and a grain
-/// without pairs or with a translation that is imposed has none. A member of a rigid group turns by at least as
-/// much as the group.
+/// By grain, the maximum turn in the increment of its bonds and of its contacts that carry load, rad.
+/// A grain without any has the minimum turn of its pairs, since it may lie on any of them. A grain
+/// without pairs, or whose whole translation is imposed, has none. A member of a rigid group turns by
+/// at least as much as the group.
 #[must_use]
 pub fn turns(solved: Solved) -> Vec<f64> {
     of_grains(solved, &of_pairs(solved, |k| solved.contacts.0[k].normal))

@@ -9,7 +9,7 @@ use clastic_components::increment::Acceptance;
 use crate::places::worst_place;
 use crate::solved::SolvedTables;
 
-/// Rejects a solution whose residual under Coulomb's law is above the [bound](Sliding::BOUND). In
+/// Rejects a solution whose residual under Coulomb's law is above the [bound](Sliding::bound). In
 /// statics the motion is then followed, and in dynamics the time step is halved.
 pub fn judge(
     sliding: Res<Sliding>,
@@ -24,7 +24,7 @@ pub fn judge(
              bound is {:.0e}",
             solved.solution.residuals.worst(),
             worst_place(solved),
-            acceptance.residual.max(Sliding::BOUND)
+            Sliding::bound(&acceptance)
         ));
     }
 }

@@ -195,7 +195,7 @@ pub fn judge_rest(
     };
     let is_free = motion.weight <= settings.min_weight;
     // A step is solved loosely, and forces beyond the bound are none of an equilibrium.
-    let is_balanced = solution.residuals.worst() <= acceptance.residual.max(Sliding::BOUND);
+    let is_balanced = solution.residuals.worst() <= Sliding::bound(&acceptance);
     let at_rest = (is_balanced
         && motion.weight <= settings.rest_weight
         && far <= motion.length * settings.max_travel_at_rest)

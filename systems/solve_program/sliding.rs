@@ -85,7 +85,7 @@ pub fn solve_sliding(
     if is_static && too_far(solved, &acceptance).is_some() {
         return;
     }
-    let bound = acceptance.residual.max(Sliding::BOUND);
+    let bound = Sliding::bound(&acceptance);
     // What an equilibrium leaves out of balance drives the motion after it: a step that leaves as much
     // moves nothing.
     let enough = if moves { bound } else { solution.tolerance };
