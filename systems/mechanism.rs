@@ -48,7 +48,8 @@ pub fn proof(world: &World) -> Option<String> {
 pub(crate) fn share(bodies: &BodyTable, history: &ContactHistory, moving: &[bool]) -> String {
     let masses = || moving.iter().zip(&bodies.masses);
     let all: f64 = masses().map(|(_, mass)| mass).sum();
-    let mass: f64 = masses().filter(|(moves, _)| **moves).map(|(_, mass)| mass).sum();
+    // The sum of no numbers is -0.0.
+    let mass = masses().filter(|(moves, _)| **moves).map(|(_, mass)| mass).sum::<f64>() + 0.0;
     let of_mass = if all > 0.0 {
         format!(" ({:.1} % of the mass)", 100.0 * mass / all)
     } else {

@@ -20,6 +20,9 @@ use crate::run::stages::{CurrentStage, Script};
 use crate::scene::format::Stage;
 use crate::scene::{StoredParticle, specimen_file};
 
+/// Decrease of the porosity that counts as settling: a jammed packing loses less.
+const SETTLED: f64 = 1e-3;
+
 /// The prepared specimen.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PreparedSpecimen {
@@ -82,7 +85,7 @@ pub fn prepare(
         && observation.motion_steps > 0
     {
         let pair = porosity::in_cell_or_box(before).zip(porosity::in_cell_or_box(&now()));
-        let pair = pair.filter(|(before, after)| after < before);
+        let pair = pair.filter(|(before, after)| before - after > SETTLED && !is_cut(&script));
         found.settled = pair
             .map(|(porosity_before, porosity_after)| Settled { porosity_before, porosity_after })
             .or(found.settled);

@@ -14,6 +14,7 @@ use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::{Wall, WallControl};
 
+use super::cement::intact;
 use super::disks::Disks;
 use super::walls::find_pair;
 use super::{cell, grow};
@@ -104,8 +105,12 @@ pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
     Some(Reached { height, mean_radius, porosity: 1.0 - area / (height * length) })
 }
 
-/// Why a compaction to a porosity cannot begin: no disks of these radii are as dense.
+/// Why a compaction cannot begin: there are bonds, or no disks of these radii are as dense.
 pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
+    if intact(world) > 0 {
+        // It would strain the bonds, whose forces have no meaning in it.
+        return Some("there are bonds, and a compaction is rigid; compact before `Cement`".to_owned());
+    }
     let CompactTarget::Porosity(target) = stage.target else { return None };
     Disks::in_world(world).refusal(target)
 }

@@ -12,7 +12,6 @@ use clastic_components::contact::BodyTable;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::particle::Particle;
 
-use super::cement::intact;
 use super::compact::{enclosure, target_porosity};
 use super::disks::{Disks, radii};
 use super::script::Script;
@@ -35,13 +34,6 @@ pub(super) fn factor(world: &mut World, stage: &Compact, disks: &Disks) -> Optio
     let (height, length) = enclosure(world, stage)?;
     let porosity = target_porosity(stage, disks)?;
     Some(((1.0 - porosity) * (height * length) / disks.area).sqrt())
-}
-
-/// Why a compaction cannot begin: the length at which a bond is at rest would change with the
-/// radii.
-pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
-    (stage.by == CompactBy::Radii && intact(world) > 0)
-        .then(|| "grains that are bonded cannot grow; compact before `Cement`".to_owned())
 }
 
 /// Sets the radii of the tables to those at the end of the attempt. Exclusive, because it looks for

@@ -8,7 +8,7 @@ use clastic_systems::measures::kept::kept_reading;
 use clastic_systems::measures::stress::stress_error;
 
 /// Round-off of a strain.
-const STRAIN_ERROR: f64 = 1e-12;
+pub(super) const STRAIN_ERROR: f64 = 1e-12;
 
 /// Place of a measure in the list of those that are no axial or lateral strain or stress.
 fn place(world: &World, name: &str) -> Option<usize> {

@@ -11,7 +11,7 @@ use super::plugin::{BeginStage, EndStage, Provided};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::{
-    cement, compact, group_members, grow, key_results, load, load_refusals, membranes, pour,
+    cement, compact, group_members, key_results, load, load_refusals, membranes, pour,
     remove, save, until,
 };
 use crate::scene::format::Stage;
@@ -66,9 +66,7 @@ fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
         Stage::Load(load) => load_refusals::refusal(world, load),
         Stage::Pour(pour) => load_refusals::refusal(world, &pour.load),
         Stage::Remove(stage) => remove::refusal(world, stage),
-        Stage::Compact(stage) => {
-            grow::refusal(world, stage).or_else(|| compact::refusal(world, stage))
-        }
+        Stage::Compact(stage) => compact::refusal(world, stage),
         Stage::Save(_) => save::refusal(world),
         Stage::Cement(stage) => cement::refusal(world, stage),
         Stage::Custom(_) => None,

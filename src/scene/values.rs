@@ -116,6 +116,7 @@ fn replacements<'t>(root: &Node<'t>) -> (Values, Replacements<'t>) {
         at.expression.names().iter().all(is_known)
     });
     let mut findings = findings(&places, &uses);
+    findings.extend(defined(root).iter().filter_map(not_finite));
     let numbers = numbers(root, &uses);
     let value = |name: &str| Some(numbers.get(name)?.0);
     let mut replacements = Replacements::new();
@@ -161,11 +162,7 @@ fn numbers(root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
             let of = |name: &str| numbers.get(name).map(|(value, _): &(f64, String)| *value);
             let number = match uses.iter().find(|at| at.node.span == value.span) {
                 Some(at) => at.expression.value(&of).map(|value| (value, value.to_string())),
-                None if value.shape != Shape::Number => None,
-                None => {
-                    let number = ron::from_str(value.literal).ok();
-                    number.map(|number| (number, value.literal.to_owned()))
-                }
+                None => literal(value).map(|number| (number, value.literal.to_owned())),
             };
             if let Some(number) = number.filter(|(value, _)| value.is_finite()) {
                 numbers.insert(name, number);
@@ -175,6 +172,18 @@ fn numbers(root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
             return numbers;
         }
     }
+}
+
+/// The number that a node writes out, if it does.
+fn literal(node: &Node) -> Option<f64> {
+    (node.shape == Shape::Number).then(|| ron::from_str(node.literal).ok()).flatten()
+}
+
+/// A number of `let` that is none, such as a gap in a table.
+fn not_finite(Entry { key, value }: &Entry) -> Option<Finding> {
+    let number = literal(value).filter(|number| !number.is_finite())?;
+    let path = join("let", &key.as_ref()?.text);
+    Some(Finding::new(path, format!("not finite ({number})"), "give a number"))
 }
 
 fn findings(places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Finding> {

@@ -37,12 +37,17 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
     for x in u.as_flattened_mut() {
         *x /= maximum;
     }
-    let mut work = 0.0;
+    let (mut work, mut works, mut moved) = (0.0, 0.0, 0.0);
     for (body, u) in program.bodies.iter().zip(&u) {
         for (k, free) in body.free() {
             work += free.load * u[k];
+            works += (free.load * u[k]).abs();
+            moved += (free.load * u[k]).abs() * size(u);
         }
     }
+    // Mean motion of the bodies on which loads do work: a body without load that moves further must
+    // not hide what closes.
+    let moved = moved / works;
     let mut dissipation = 0.0;
     let mut defect = 0.0_f64;
     for c in &program.interactions {
@@ -55,7 +60,7 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
         dissipation +=
             l.cohesion * slip + l.moment * roll - l.min_normal_force() * opening.max(0.0);
     }
-    (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect })
+    (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect: defect / moved })
 }
 
 /// Minimum work per unit of force, over the length scale, that proves rigid bodies to be forced

@@ -378,7 +378,8 @@ pub struct Certificate {
     /// Work of the loads less the maximum dissipation, over the work of the loads. A positive
     /// margin proves the collapse, up to the defect.
     pub margin: f64,
-    /// Maximum violation of the mechanism's kinematic conditions over its maximum motion.
+    /// Maximum violation of the mechanism's kinematic conditions over the mean motion of the bodies,
+    /// weighted by the work that the loads do on each.
     pub defect: f64,
 }
 

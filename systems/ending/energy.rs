@@ -6,7 +6,7 @@
 //! and impacts take ten times as much in the same step, it changes nothing that matters.
 
 use super::geometry::Ending;
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
+use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
 
 /// Part of the energy that friction and impacts take which may be wrong. At 1 a hopper of
 /// elastic grains in steps of half a period of a contact gains twice the energy that its grains have
@@ -38,20 +38,24 @@ pub fn errors(
     for (k, (c, f)) in program.interactions.iter().zip(&solution.forces).enumerate() {
         let e = program.kinematics(c, u);
         let compliance = [c.normal_compliance, c.tangential_compliance, c.rolling_compliance];
+        let is_bond = c.limits.has_strength();
         let gives_way = [false, c.limits.slides(f), c.limits.rolls(f)];
         for (i, misfit) in ending.misfits[k].into_iter().enumerate() {
             of_misfits += (f[i] * misfit).abs();
             // What a spring stores besides: at an impact its force may vanish where its misfit does not.
             if compliance[i] > 0.0 && !gives_way[i] {
                 let answer = misfit / compliance[i];
-                let is_open = i == 0 && !c.limits.has_strength();
+                let is_open = i == 0 && !is_bond;
                 let answer = if is_open { answer.max(-f[0]) } else { answer };
                 of_misfits += 0.5 * compliance[i] * answer * answer;
+            } else if compliance[i] == 0.0 && is_bond {
+                // The next step moves the bodies of a rigid bond back against their inertia.
+                of_misfits += 0.5 * inertia(program, c) * misfit * misfit;
             }
         }
         for i in 0..3 {
             energy += 0.5 * compliance[i] * f[i] * f[i];
-            if compliance[i] == 0.0 || gives_way[i] {
+            if gives_way[i] || (compliance[i] == 0.0 && !is_bond) {
                 taken += (f[i] * e[i]).abs();
             }
         }
@@ -68,6 +72,14 @@ pub fn errors(
     let accepted = (ACCEPTED * taken).max(MAX_ERROR * energy + no_work);
     let at_most = taken.max(MAX_STALLED_ERROR * energy + no_work);
     [accepted, at_most].map(|allowed| if wrong > 0.0 { wrong / allowed } else { 0.0 })
+}
+
+/// Inertia of the lighter of the two bodies of an interaction, kg/s^2; 0 if neither can move.
+fn inertia(program: &ConeProgram, c: &Interaction) -> f64 {
+    let bodies = [c.a, c.b].map(|i| &program.bodies[i as usize]);
+    let inertias = bodies.iter().flat_map(|body| body.free().filter(|(k, _)| *k < 2));
+    let minimum = inertias.map(|(_, free)| free.inertia).fold(f64::INFINITY, f64::min);
+    if minimum.is_finite() { minimum } else { 0.0 }
 }
 
 fn dot(x: &[f64; 3], y: &[f64; 3]) -> f64 {

@@ -200,7 +200,7 @@ impl Tables<'_> {
         let maximum = force_scale(program, &solution.forces);
         let motion = largest(&solution.displacements, bodies.mean_radius);
         let is_free = |c: &Interaction| maximum * c.normal_compliance < FREE * motion;
-        let interactions = program.interactions.iter().zip(carrying(solution));
+        let interactions = program.interactions.iter().zip(carrying(program, solution));
         interactions
             .map(|(c, carries)| {
                 let is_bond = c.limits.has_strength();
@@ -237,9 +237,12 @@ impl Tables<'_> {
             WallShape::Line => false,
         };
         let Solved { bodies, program, .. } = self.solved.get();
+        let keeps_energy = self.keeps_energy();
         let mut all = program.interactions.iter();
-        let contacts_guide = self.keeps_energy();
-        all.any(|c| c.normal_compliance > 0.0 && (c.limits.has_strength() || contacts_guide))
+        all.any(|c| {
+            let (is_bond, is_spring) = (c.limits.has_strength(), c.normal_compliance > 0.0);
+            if keeps_energy { is_bond || is_spring } else { is_bond && is_spring }
+        })
             || !bodies.groups.is_empty()
             || bodies.walls.iter().any(guides)
     }

@@ -1,9 +1,8 @@
-//! The factorisation of the condensed matrix, against faer's dense Cholesky factorisation of the
+//! The factorisation of the condensed matrix, against nalgebra's dense Cholesky factorisation of the
 //! same matrix, set up apart, and against the definition of a solution.
 
 use clastic::cone::condensed::matrix::BodyMatrix;
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 
@@ -35,7 +34,7 @@ impl Sample {
 
     /// Sums of the magnitudes of the terms of every entry of the matrix, and the maximum number of
     /// interactions of a body.
-    fn magnitudes(&self) -> (Mat<f64>, usize) {
+    fn magnitudes(&self) -> (DMatrix<f64>, usize) {
         let mut absolute = self.clone();
         let mut interactions = vec![0; self.weights.len()];
         for ((a, b), rows, d) in &mut absolute.interactions {
@@ -48,9 +47,9 @@ impl Sample {
         (absolute.dense(), interactions.into_iter().max().unwrap_or(0))
     }
 
-    fn dense(&self) -> Mat<f64> {
+    fn dense(&self) -> DMatrix<f64> {
         let n = 3 * self.weights.len();
-        let mut dense = Mat::zeros(n, n);
+        let mut dense = DMatrix::zeros(n, n);
         for (i, weight) in self.weights.iter().enumerate() {
             (0..3).for_each(|k| dense[(3 * i + k, 3 * i + k)] += weight);
         }
@@ -85,6 +84,11 @@ fn in_its_order<R>(
         x[i] = *of_place;
     }
     result
+}
+
+/// The numbers of all bodies in one column.
+fn column(x: &[[f64; 3]]) -> DVector<f64> {
+    DVector::from_column_slice(x.as_flattened())
 }
 
 fn right_side(bodies: usize) -> Vec<[f64; 3]> {
@@ -140,7 +144,7 @@ fn gamma(k: usize) -> f64 {
 ///   the maximum number of interactions of a body, no term is rounded more than 4 m + 5 times, here
 ///   and in the dense matrix: `2 gamma_(4m+5)` times the sum of the magnitudes of the terms;
 /// - the product `A x` that the defect is computed with: `gamma_(n+1) |A| |x|`.
-fn defect_bound(sample: &Sample, dense: &Mat<f64>, x: &Mat<f64>) -> Vec<f64> {
+fn defect_bound(sample: &Sample, dense: &DMatrix<f64>, x: &DVector<f64>) -> Vec<f64> {
     let n = x.nrows();
     let root = |k: usize| dense[(k, k)].sqrt();
     let sum: f64 = (0..n).map(|k| root(k) * x[(k, 0)].abs()).sum();
@@ -149,7 +153,7 @@ fn defect_bound(sample: &Sample, dense: &Mat<f64>, x: &Mat<f64>) -> Vec<f64> {
     let of_terms = 2.0 * gamma(4 * interactions + 5);
     let bound = |k: usize| {
         let row = (0..n).map(|l| {
-            (of_terms * terms[(k, l)] + gamma(n + 1) * dense[(k, l)].abs()) * x[(l, 0)].abs()
+            (of_terms * terms[(k, l)] + gamma(n + 1) * dense[(k, l)].abs()) * x[l].abs()
         });
         of_factor * root(k) * sum + row.sum::<f64>()
     };
@@ -157,11 +161,11 @@ fn defect_bound(sample: &Sample, dense: &Mat<f64>, x: &Mat<f64>) -> Vec<f64> {
 }
 
 /// Maximum defect of a row over its bound: at most 1 for a solution.
-fn relative_defect(sample: &Sample, dense: &Mat<f64>, x: &[[f64; 3]]) -> f64 {
-    let solution = Mat::from_fn(3 * x.len(), 1, |k, _| x[k / 3][k % 3]);
+fn relative_defect(sample: &Sample, dense: &DMatrix<f64>, x: &[[f64; 3]]) -> f64 {
+    let solution = column(x);
     let product = dense * &solution;
     let right = right_side(x.len());
-    let defect = |k: usize| (product[(k, 0)] - right[k / 3][k % 3]).abs();
+    let defect = |k: usize| (product[k] - right[k / 3][k % 3]).abs();
     let bounds = defect_bound(sample, dense, &solution);
     bounds.iter().enumerate().map(|(k, bound)| defect(k) / bound).fold(0.0, f64::max)
 }
@@ -177,8 +181,8 @@ proptest! {
     fn solutions_are_those_of_a_dense_factorisation(sample in samples()) {
         let n = sample.weights.len();
         let dense = sample.dense();
-        let right = Mat::from_fn(3 * n, 1, |k, _| right_side(n)[k / 3][k % 3]);
-        let expected = dense.llt(Side::Lower).expect("positive definite").solve(&right);
+        let right = column(&right_side(n));
+        let expected = dense.clone().cholesky().expect("positive definite").solve(&right);
         let mut matrix = sample.matrix();
         let mut x = right_side(n);
         prop_assert!(factorise_and_solve(&mut matrix, &mut x));
@@ -186,12 +190,12 @@ proptest! {
         // Both solutions have a defect within its bound, and the eigenvalues of the matrix are at
         // least its minimum weight: their difference is the inverse times the difference of the
         // defects.
-        let solution = Mat::from_fn(3 * n, 1, |k, _| x[k / 3][k % 3]);
+        let solution = column(&x);
         let norm = |x: &[f64]| x.iter().map(|x| x * x).sum::<f64>().sqrt();
         let defects = norm(&defect_bound(&sample, &dense, &solution))
             + norm(&defect_bound(&sample, &dense, &expected));
         let weight = sample.weights.iter().copied().fold(f64::INFINITY, f64::min);
-        let error = (&solution - &expected).norm_l2();
+        let error = (&solution - &expected).norm();
         prop_assert!(error <= defects / weight, "{error:e} above {:e}", defects / weight);
         // The same factor once more, on its own.
         let mut again = right_side(n);

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::collected::{KeyResults, Point};
 use super::results::Results;
+use crate::run::measures::STRAIN_ERROR;
 
 /// Stresses below this fraction of the stress that the stiffness of the grains alone would give at
 /// this strain count as round-off. Loose packings have a thousandth of that stress.
@@ -105,17 +106,21 @@ impl KeyResults {
     /// whether all points from the first to the last are solved.
     pub(super) fn first_gain(&self, peak: f64) -> Option<(Point, Point, bool)> {
         let touch = 1e-3 * (peak - self.start.stress).abs();
-        let points: Vec<&Point> = std::iter::once(&self.start).chain(&self.curve).collect();
+        // What moved before a static stage is not the state that the stage begins with.
+        let stops = self.curve.first().is_some_and(|first| first.kinetic == 0.0 && self.start.kinetic > 0.0);
+        let start = (!stops).then_some(&self.start);
+        let points: Vec<&Point> = start.into_iter().chain(&self.curve).collect();
         let mut stress = [self.start.stress; 2];
         let mut strain = [self.start.strain; 2];
         for (k, here) in points.iter().enumerate() {
             stress = [stress[0].min(here.stress), stress[1].max(here.stress)];
             strain = [strain[0].min(here.strain), strain[1].max(here.strain)];
-            if stress[1] - stress[0] < touch || strain[0] == strain[1] {
+            if stress[1] - stress[0] < touch || !differ(strain) {
                 continue;
             }
             let differs = |before: &&Point| {
-                here.strain != before.strain && (here.stress - before.stress).abs() >= touch
+                differ([here.strain, before.strain])
+                    && (here.stress - before.stress).abs() >= touch
             };
             if let Some(first) = points[..k].iter().rposition(differs) {
                 let solved = points[first..=k].iter().all(|point| point.solved);
@@ -132,6 +137,9 @@ impl KeyResults {
         let (before, here, part) = self.half_way(peak).ok_or(NO_HALF)?;
         self.is_elastic(&self.start, &here)?;
         let strain = before.strain + part * (here.strain - before.strain);
+        if !differ([strain, 0.0]) {
+            return Err(NO_GAIN);
+        }
         positive(0.5 * (peak - self.start.stress) / strain)
     }
 
@@ -173,6 +181,11 @@ impl KeyResults {
 ///
 /// 1e-2: a wave with this share of the energy changes stresses by a tenth.
 const MOVING: f64 = 1e-2;
+
+/// Whether two strains differ by more than the round-off of measured distances.
+fn differ([a, b]: [f64; 2]) -> bool {
+    (a - b).abs() > STRAIN_ERROR
+}
 
 /// Whether inertia carries a part of the load at the second of two points of the curve.
 fn moves(from: &Point, to: &Point) -> bool {

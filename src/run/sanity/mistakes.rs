@@ -119,7 +119,8 @@ fn stretch(scene: &Scene) -> impl Iterator<Item = (String, f64)> {
 fn long_bonds(scene: &Scene, mean: f64) -> Vec<String> {
     let long = |stage: &Stage| {
         let Stage::Cement(of) = stage else { return None };
-        let length = of.length.filter(|length| mean > 0.0 && *length > LONG * mean)?;
+        let joins = |length: &f64| of.particles && mean > 0.0 && *length > LONG * mean;
+        let length = of.length.filter(joins)?;
         Some(format!(
             "stages.{}.length is {length:?} m, {:.1} mean radii: bonds as long as that join grains that are no \
              neighbours; lengths are in m, 1 mm is 1e-3",

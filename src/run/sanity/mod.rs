@@ -98,7 +98,7 @@ pub struct Report {
     /// Diameters of the largest disk across the smaller side of the specimen, where it is one.
     pub disks_across: Option<f64>,
     /// Gap that sliding contacts open in a static increment over the elastic closure p/k of all contacts,
-    /// both means weighted by the normal forces: the associated law dilates.
+    /// both means weighted by the normal forces: the associated law dilates. Infinite if all are rigid.
     pub opening_over_closure: Option<f64>,
     /// Warnings, each with its source.
     pub warnings: Vec<String>,
@@ -132,12 +132,16 @@ impl Report {
         }
         if let Some(ratio) = self.increment_over_elastic_strain.filter(|ratio| *ratio > STEP) {
             warnings.push(format!(
-                "an increment strains the specimen by {ratio:.1} elastic strains: the initial modulus \
-                 and the first yield are not resolved; give smaller increments (p h/k is the range of \
+                "an increment strains the specimen by {ratio:.1} elastic strains: the initial modulus, \
+                 the first yield and, with per cents an increment, the strength are not resolved; give smaller increments (p h/k is the range of \
                  elastic strain, Roux and Combe 2002)"
             ));
         }
-        if let Some(ratio) = self.opening_over_closure.filter(|ratio| *ratio > OPENED) {
+        if self.opening_over_closure.is_some_and(f64::is_infinite) {
+            let rigid = "contacts that slide open gaps, and rigid ones never close them: the associated law \
+                         overestimates friction and dilation; give `friction_law: Coulomb()`";
+            warnings.push(rigid.to_owned());
+        } else if let Some(ratio) = self.opening_over_closure.filter(|ratio| *ratio > OPENED) {
             warnings.push(format!(
                 "the gaps that sliding contacts open in an increment are {} of their elastic closure: the \
                  associated law overestimates friction and dilation; give increments that are {:.0} times \
@@ -169,7 +173,7 @@ impl Report {
             ("maximum overlap/radius", self.maximum_overlap_over_radius),
             ("inertial number", self.inertial_number),
             ("increment/elastic strain", self.increment_over_elastic_strain),
-            ("opening/closure", self.opening_over_closure.filter(|ratio| *ratio > 0.0)),
+            ("opening/closure", self.opening_over_closure.filter(|r| *r > 0.0 && r.is_finite())),
             ("disks across", self.disks_across),
         ];
         let text: Vec<_> = parts

@@ -1,9 +1,9 @@
 //! The pieces of an increment, one by one: detection, assembly, ordering and symbolic
 //! factorisation, numeric factorisation, and the solve of one increment of each regime.
 //!
-//!     cargo bench                         1200, 7380 and 29 520 disks; regimes on small specimens
-//!     CLASTIC_BENCH=full cargo bench      regimes on the specimens of the paper too
-//!     cargo bench -- factorise            pieces with this in their names
+//!     cargo bench -p clastic_pieces                      1200, 7380 and 29 520 disks; regimes on small specimens
+//!     CLASTIC_BENCH=full cargo bench -p clastic_pieces   regimes on the specimens of the paper too
+//!     cargo bench -p clastic_pieces -- factorise         pieces with this in their names
 //!
 //! Bodies are bonded rock after three elastic increments; regimes are the programs of the part
 //! `precision` of `clastic_bench`. A solve comes from the increment before, as in a run.
