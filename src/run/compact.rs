@@ -109,7 +109,9 @@ pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
 pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
     if intact(world) > 0 {
         // It would strain the bonds, whose forces have no meaning in it.
-        return Some("there are bonds, and a compaction is rigid; compact before `Cement`".to_owned());
+        return Some(
+            "there are bonds, and a compaction is rigid; compact before `Cement`".to_owned(),
+        );
     }
     let CompactTarget::Porosity(target) = stage.target else { return None };
     Disks::in_world(world).refusal(target)

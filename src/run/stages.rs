@@ -11,8 +11,8 @@ use super::plugin::{BeginStage, EndStage, Provided};
 use super::resolve_measures::resolve_measures;
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::{
-    cement, compact, group_members, key_results, load, load_refusals, membranes, pour,
-    remove, save, until,
+    cement, compact, group_members, key_results, load, load_refusals, membranes, pour, remove,
+    save, until,
 };
 use crate::scene::format::Stage;
 

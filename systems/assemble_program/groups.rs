@@ -10,15 +10,17 @@ use glam::DVec2;
 
 use super::balance::Rows;
 
-/// Moves the forces on members of rigid groups to the bodies of the groups.
-pub fn join(bodies: &BodyTable, interactions: &mut [Interaction]) {
+/// Moves the forces on members of rigid groups to the bodies of the groups, which turn as the `guess` of
+/// the displacements says (by body in its own axes; empty without one).
+pub fn join(bodies: &BodyTable, guess: &[[f64; 3]], interactions: &mut [Interaction]) {
     if bodies.groups.is_empty() {
         return;
     }
     for c in interactions {
         for (body, first) in [(c.a, true), (c.b, false)] {
             if let Some(group) = bodies.group(body as usize) {
-                *c = c.carried_by(first, group.body, bodies.lever(group, body as usize));
+                let lever = group.mean_lever(bodies.lever(group, body as usize), guess);
+                *c = c.carried_by(first, group.body, lever);
             }
         }
     }

@@ -123,5 +123,5 @@ pub fn assemble_interactions(
     }
     cell::set_images(bodies, interactions);
     turning::carry(&trial, &found, interactions);
-    groups::join(bodies, interactions);
+    groups::join(bodies, &found.corrections.guesses.last, interactions);
 }

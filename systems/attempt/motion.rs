@@ -283,7 +283,9 @@ fn follow_slip(solved: Solved, corrections: &Corrections, history: &mut ContactH
     let misfits = step.ending(corrections, &springs).misfits;
     for ((contact, c, _), [_, slip]) in solved.contacts().zip(misfits) {
         let memory = history.0.binary_search_by_key(&(contact.a, contact.b), |m| (m.a, m.b));
-        if let Ok(memory) = memory && slip != 0.0 {
+        if let Ok(memory) = memory
+            && slip != 0.0
+        {
             history.0[memory].q += slip / c.tangential_compliance;
         }
     }

@@ -60,7 +60,11 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
         dissipation +=
             l.cohesion * slip + l.moment * roll - l.min_normal_force() * opening.max(0.0);
     }
-    (work > 0.0).then(|| Certificate { mechanism: u, margin: (work - dissipation) / work, defect: defect / moved })
+    (work > 0.0).then(|| Certificate {
+        mechanism: u,
+        margin: (work - dissipation) / work,
+        defect: defect / moved,
+    })
 }
 
 /// Minimum work per unit of force, over the length scale, that proves rigid bodies to be forced

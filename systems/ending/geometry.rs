@@ -52,7 +52,7 @@ impl Increment<'_> {
     pub fn about(&self, u: &[[f64; 3]]) -> Vec<Correction> {
         let end = Moved::by(self.solved, u, 1.0).positions;
         let correction = |(contact, c, [p, ..]): SolvedContact| {
-            let (exact, moved) = self.exact(contact, c, u, &end)?;
+            let (exact, moved) = self.exact(contact, c, u, &end, u)?;
             Some(Correction {
                 pair: (contact.a, contact.b),
                 normal: exact.normal,
@@ -81,7 +81,8 @@ impl Increment<'_> {
             if !counts[k] {
                 continue;
             }
-            let Some((exact, moved)) = self.exact(contact, c, u, &end) else { continue };
+            let guess = &corrections.guesses.last;
+            let Some((exact, moved)) = self.exact(contact, c, u, &end, guess) else { continue };
             let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(f);
             if let Some(closing) = self.closing(contact, c, &exact)
                 && !dilates
@@ -161,13 +162,14 @@ impl Increment<'_> {
     }
 
     /// Geometry of a contact on the way to the end of the motion `u`, and the motion of b relative
-    /// to a in the program, in which a rigid group turns to first order.
+    /// to a in the program of a `guess`, in which a rigid group turns to first order.
     fn exact(
         &self,
         contact: &Contact,
         c: &Interaction,
         u: &[[f64; 3]],
         end: &[DVec2],
+        guess: &[[f64; 3]],
     ) -> Option<(Exact, DVec2)> {
         let (Solved { bodies, program, .. }, theta) = (self.solved, self.theta);
         // Normals count at this place: 0 is the start, 1 the end.
@@ -199,7 +201,8 @@ impl Increment<'_> {
             let linear = |i: usize| -> DVec2 {
                 let Some(group) = bodies.group(i) else { return end[i] - bodies.positions[i] };
                 let u = u[group.body as usize];
-                let [x, y, _] = GroupRow::carried_linearly(u, bodies.lever(group, i));
+                let lever = group.mean_lever(bodies.lever(group, i), guess);
+                let [x, y, _] = GroupRow::carried_linearly(u, lever);
                 DVec2::new(x, y)
             };
             moved = linear(b) - linear(a);

@@ -242,8 +242,7 @@ impl Tables<'_> {
         all.any(|c| {
             let (is_bond, is_spring) = (c.limits.has_strength(), c.normal_compliance > 0.0);
             if keeps_energy { is_bond || is_spring } else { is_bond && is_spring }
-        })
-            || !bodies.groups.is_empty()
+        }) || !bodies.groups.is_empty()
             || bodies.walls.iter().any(guides)
     }
 }

@@ -30,7 +30,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
         if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
             let mut c = [bond_of(bodies, released)];
             set_images(bodies, &mut c);
-            join(bodies, &mut c);
+            join(bodies, &[], &mut c);
             let [c] = c;
             add(program, &c, &released.forces, &mut before);
             let d = program.kinematics(&c, &solution.displacements);

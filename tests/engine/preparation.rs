@@ -32,6 +32,15 @@ fn compact(target: &str, stop: &str) -> String {
     )
 }
 
+/// A compaction strained bonds without forces, and the first load found 5 MPa where 50 kPa had been.
+#[test]
+fn a_compaction_of_bonded_grains_is_refused() {
+    let stages =
+        format!(r#"Cement(name: "glue", length: 1.0e-3), {}"#, compact("Porosity(0.3)", ""));
+    let Outcome::Refused { message, .. } = cell(&stages).run() else { panic!() };
+    assert!(message.contains("there are bonds"), "{message}");
+}
+
 #[test]
 fn a_packing_is_compacted_until_it_is_jammed() {
     let mut simulation = cell(&compact("Jammed", ""));

@@ -152,9 +152,8 @@ fn defect_bound(sample: &Sample, dense: &DMatrix<f64>, x: &DVector<f64>) -> Vec<
     let (terms, interactions) = sample.magnitudes();
     let of_terms = 2.0 * gamma(4 * interactions + 5);
     let bound = |k: usize| {
-        let row = (0..n).map(|l| {
-            (of_terms * terms[(k, l)] + gamma(n + 1) * dense[(k, l)].abs()) * x[l].abs()
-        });
+        let row = (0..n)
+            .map(|l| (of_terms * terms[(k, l)] + gamma(n + 1) * dense[(k, l)].abs()) * x[l].abs());
         of_factor * root(k) * sum + row.sum::<f64>()
     };
     (0..n).map(bound).collect()

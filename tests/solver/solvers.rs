@@ -217,6 +217,13 @@ fn a_collapse_comes_with_a_mechanism_that_proves_it() {
         assert!(check([1.0, 0.49, 0.0]).is_some_and(|c| !proves(&c)));
         assert!(check([1.0, 0.51, 0.0]).is_some_and(|c| proves(&c)));
     }
+    // A motion of 1e-7 that is not admissible, beside a body without load that moves by 1: relative to
+    // that one nothing closes.
+    let mut beside = program.clone();
+    beside.bodies.push(ProgramBody { axis: DVec2::X, dofs: [Dof::Free(FreeDof::default()); 3] });
+    let motion = [[1e-7, 0.4e-7, 0.0], [0.0; 3], [0.0, 1.0, 0.0]];
+    let aside = certificate(&beside, &motion).unwrap();
+    assert!(!proves(&aside), "{aside:?}");
     // A bond of 20 N holds the 10 N: the same mechanism dissipates more than the load does.
     let limits = &mut program.interactions[0].limits;
     *limits = Limits::new(20.0, limits.friction, 20.0, limits.rolling);

@@ -107,7 +107,10 @@ impl KeyResults {
     pub(super) fn first_gain(&self, peak: f64) -> Option<(Point, Point, bool)> {
         let touch = 1e-3 * (peak - self.start.stress).abs();
         // What moved before a static stage is not the state that the stage begins with.
-        let stops = self.curve.first().is_some_and(|first| first.kinetic == 0.0 && self.start.kinetic > 0.0);
+        let stops = self
+            .curve
+            .first()
+            .is_some_and(|first| first.kinetic == 0.0 && self.start.kinetic > 0.0);
         let start = (!stops).then_some(&self.start);
         let points: Vec<&Point> = start.into_iter().chain(&self.curve).collect();
         let mut stress = [self.start.stress; 2];
@@ -119,8 +122,7 @@ impl KeyResults {
                 continue;
             }
             let differs = |before: &&Point| {
-                differ([here.strain, before.strain])
-                    && (here.stress - before.stress).abs() >= touch
+                differ([here.strain, before.strain]) && (here.stress - before.stress).abs() >= touch
             };
             if let Some(first) = points[..k].iter().rposition(differs) {
                 let solved = points[first..=k].iter().all(|point| point.solved);

@@ -106,6 +106,19 @@ fn elastic_constants_are_no_result_of_inertia() {
     }
 }
 
+/// The modulus of a static test was refused for the motion of the stage before.
+#[test]
+fn a_static_stage_does_not_begin_with_the_motion_of_the_stage_before() {
+    let mut key = KeyResults::new(false).with_stiffness(1e6);
+    key.see_motion(1.0);
+    key.observe(&at(1, None, Some(7.0)), Phase::Loading);
+    key.see_motion(0.0);
+    for (k, (strain, stress)) in [(0.01, 100.0), (0.02, 200.0), (0.03, 50.0)].iter().enumerate() {
+        key.observe(&at(2 + k as u64, Some(*strain), Some(*stress)), Phase::Reference);
+    }
+    near(key.results().youngs_modulus_pa, 1e4);
+}
+
 #[test]
 fn round_off_is_no_modulus_and_no_peak() {
     // Stresses under a platen without contact: round-off of either sign, and zero.
@@ -122,6 +135,11 @@ fn round_off_is_no_modulus_and_no_peak() {
         (Reference, Some(0.02), Some(2e5 + 1e-3)),
     ];
     assert_eq!(run(false, &rows).results().youngs_modulus_pa, None);
+    // Two platens that move alike strain nothing: the modulus was 1e18 Pa.
+    let alike = partly_capped(&[(1e-16, 100.0, false), (-4e-15, 200.0, false)]);
+    assert_eq!(alike.youngs_modulus_pa, None);
+    assert_eq!(alike.youngs_modulus_secant_half_peak_pa, None);
+    assert!(alike.not_defined["youngs_modulus_pa"].contains("strain does not change"));
     // A decreasing stress is neither round-off nor a modulus.
     let falls = partly_capped(&[(0.01, -128.0, false)]);
     assert_eq!((falls.youngs_modulus_pa, falls.peak_stress_pa), (None, Some(-128.0)));

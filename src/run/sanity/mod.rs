@@ -112,9 +112,10 @@ impl Report {
         let soft = |level: &f64| *level < STIFF * (1.0 - ROUNDING) && !is_rock;
         if let Some(level) = self.stiffness_over_pressure.filter(soft) {
             warnings.push(format!(
-                "k/(p h) is {level:.0}: below 1000 the deflection of the contacts changes friction \
+                "k/(p h) is {}: below 1000 the deflection of the contacts changes friction \
                  angle and volume with the pressure; give stiffer contacts or a lower stress (da \
-                 Cruz et al. 2005 take 1e4 for rigid grains)"
+                 Cruz et al. 2005 take 1e4 for rigid grains)",
+                short(level)
             ));
         }
         if let Some(overlap) = self.maximum_overlap_over_radius.filter(|o| *o > OVERLAP) {
@@ -187,8 +188,9 @@ impl Report {
 /// Three digits.
 fn short(value: f64) -> String {
     match value.abs() {
-        v if v == 0.0 || (0.01..1e5).contains(&v) => {
-            let digits = (2 - v.max(1e-9).log10().floor() as i32).max(0) as usize;
+        0.0 => "0".to_owned(),
+        v if (0.01..1e5).contains(&v) => {
+            let digits = (2 - v.log10().floor() as i32).max(0) as usize;
             format!("{value:.digits$}")
         }
         _ => format!("{value:.1e}"),

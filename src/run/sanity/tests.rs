@@ -121,26 +121,45 @@ fn the_inertial_number_of_a_shear_is_that_of_its_rate() {
     near(after.inertial_number, first.inertial_number.unwrap(), 0.3);
 }
 
+/// A disk that slides by `s` in each increment under a growing load.
+fn scene_of_sliding(law: &str, s: f64) -> String {
+    format!(
+        r#"(version: 1, title: "t", friction_law: {law},
+        materials: {{"m": (contact: (normal_stiffness: 1e6, tangential_stiffness: 1e6, friction: 0.5))}},
+        specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.5, 0.01), radius: 0.01)]),
+        walls: [(name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0),
+            contact: (normal_stiffness: 1e6, tangential_stiffness: 1e6, friction: 0.5))],
+        stages: [Load(name: "slide", increments: 50, particles: [
+            (select: Index([0]), x: Displacement({s:e}), rotation: Held, force: (0.0, -100.0)),
+            (select: Index([1]), x: Held, y: Held, rotation: Held)])],
+        measures: [
+            (name: "axial_strain", of: Strain(Particles(0, 1))),
+            (name: "axial_stress", of: Stress(Average(component: Yy, area: Fixed(1.0)))),
+        ])"#
+    )
+}
+
+/// Rigid grains have no closure beside the gaps that they open: a friction angle of 31 degrees for 23
+/// passed without a word.
+#[test]
+fn rigid_grains_that_slide_under_the_associated_law_are_told() {
+    let warns = |law: &str| {
+        let text = scene_of_sliding(law, 1e-4)
+            .replace("normal_stiffness: 1e6, tangential_stiffness: 1e6, ", "");
+        let loaded = from_str(&text, Path::new("t.ron"), Path::new(""), &[]);
+        let report = measured(&loaded.unwrap_or_else(|e| panic!("{e}")).scene);
+        report.warnings.iter().any(|warning| warning.contains("rigid ones never close them"))
+    };
+    assert!(warns("Associated") && !warns("Coulomb()"));
+}
+
 /// Sand under constant load crept by up to five times its strain, and stiff grains had friction angles that
 /// were 3 degrees too large, without a word. Under the associated law a disk that slides by s under the
 /// load P opens mu s in every increment, beside an elastic closure of P/k.
 #[test]
 fn the_gap_that_sliding_opens_is_told_beside_the_elastic_closure() {
     let measured = |law: &str, s: f64| {
-        let text = format!(
-            r#"(version: 1, title: "t", friction_law: {law},
-            materials: {{"m": (contact: (normal_stiffness: 1e6, tangential_stiffness: 1e6, friction: 0.5))}},
-            specimen: Particles([(position: (0.0, 0.01), radius: 0.01), (position: (0.5, 0.01), radius: 0.01)]),
-            walls: [(name: "floor", start: (-1.0, 0.0), end: (1.0, 0.0),
-                contact: (normal_stiffness: 1e6, tangential_stiffness: 1e6, friction: 0.5))],
-            stages: [Load(name: "slide", increments: 50, particles: [
-                (select: Index([0]), x: Displacement({s:e}), rotation: Held, force: (0.0, -100.0)),
-                (select: Index([1]), x: Held, y: Held, rotation: Held)])],
-            measures: [
-                (name: "axial_strain", of: Strain(Particles(0, 1))),
-                (name: "axial_stress", of: Stress(Average(component: Yy, area: Fixed(1.0)))),
-            ])"#
-        );
+        let text = scene_of_sliding(law, s);
         let loaded = from_str(&text, Path::new("t.ron"), Path::new(""), &[]);
         measured(&loaded.unwrap_or_else(|e| panic!("{e}")).scene)
     };
