@@ -87,12 +87,11 @@ impl GroupRow {
         [u[0] + turned.x, u[1] + turned.y, u[2]]
     }
 
-    /// The lever l' of a member with which a motion to first order in the rotation is the finite one if
-    /// the group turns by the angle a of a guess: `a perp(l') = (R - 1) lever`. It is the mean of the levers
-    /// before and after, but for a^2/12 of it. With it forces do the work of the finite motion.
+    /// The lever l' with which the motion of a member to first order is the finite one, if the group
+    /// turns by `angle`, rad: `angle perp(l') = (R - 1) lever`. It is the mean of the levers before and
+    /// after, but for angle^2/12 of it. With it forces do the work of the finite motion.
     #[must_use]
-    pub fn mean_lever(&self, lever: DVec2, guess: &[[f64; 3]]) -> DVec2 {
-        let angle = guess.get(self.body as usize).map_or(0.0, |u| u[2]);
+    pub fn mean_lever(lever: DVec2, angle: f64) -> DVec2 {
         if angle == 0.0 {
             return lever;
         }

@@ -17,7 +17,7 @@ use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::Acceptance;
 use clastic_components::wall_shape::Curve;
-use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::program::ConeSolution;
 use glam::DVec2;
 
 use crate::solved::Solved;
@@ -25,13 +25,15 @@ use crate::solved::Solved;
 /// Minimum force of a contact that carries load, over the maximum force.
 const LOADED: f64 = 1e-3;
 
-/// Which interactions carry load, in the order of the program: those with a force that counts, or
-/// with a moment that counts over the length scale.
+/// Which interactions carry load, in the order of the program: those with a force that counts.
 #[must_use]
-pub fn carrying(program: &ConeProgram, solution: &ConeSolution) -> Vec<bool> {
-    let size = |f: &[f64; 3]| f[0].hypot(f[1]).max(f[2].abs() / program.scales.length);
+pub fn carrying(solution: &ConeSolution) -> Vec<bool> {
     let maximum = solution.forces.iter().map(size).fold(0.0, f64::max);
     solution.forces.iter().map(|f| size(f) > LOADED * maximum).collect()
+}
+
+fn size(f: &[f64; 3]) -> f64 {
+    f[0].hypot(f[1])
 }
 
 /// A solution that turns a contact further than this, rad, moves its grains without support. Such a
@@ -126,7 +128,7 @@ pub(crate) struct PairTurns {
 /// Turns of the pairs of each grain from the given normals.
 pub(crate) fn of_pairs(solved: Solved, normal: impl Fn(usize) -> DVec2) -> PairTurns {
     let n = solved.bodies.particles;
-    let carrying = carrying(solved.program, solved.solution);
+    let carrying = carrying(solved.solution);
     let mut loaded = vec![None::<f64>; n];
     let mut nearest = vec![f64::INFINITY; n];
     for (k, contact) in solved.contacts.0.iter().enumerate() {

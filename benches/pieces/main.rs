@@ -1,9 +1,10 @@
 //! The pieces of an increment, one by one: detection, assembly, ordering and symbolic
 //! factorisation, numeric factorisation, and the solve of one increment of each regime.
 //!
-//!     cargo bench -p clastic_pieces                      1200, 7380 and 29 520 disks; regimes on small specimens
-//!     CLASTIC_BENCH=full cargo bench -p clastic_pieces   regimes on the specimens of the paper too
-//!     cargo bench -p clastic_pieces -- factorise         pieces with this in their names
+//!     cargo bench -p clastic_pieces                     1200, 7380 and 29 520 disks
+//!     cargo bench -p clastic_pieces -- factorise        pieces with this in their names
+//!
+//! Regimes are measured on small specimens, with `CLASTIC_BENCH=full` on those of the paper too.
 //!
 //! Bodies are bonded rock after three elastic increments; regimes are the programs of the part
 //! `precision` of `clastic_bench`. A solve comes from the increment before, as in a run.

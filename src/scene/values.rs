@@ -174,9 +174,9 @@ fn numbers(root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
     }
 }
 
-/// The number that a node writes out, if it does.
+/// The number that a node writes out, if it does: `inf` and `NaN` too.
 fn literal(node: &Node) -> Option<f64> {
-    (node.shape == Shape::Number).then(|| ron::from_str(node.literal).ok()).flatten()
+    ron::from_str(node.literal).ok()
 }
 
 /// A number of `let` that is none, such as a gap in a table.

@@ -10,8 +10,8 @@ use glam::DVec2;
 
 use super::balance::Rows;
 
-/// Moves the forces on members of rigid groups to the bodies of the groups, which turn as the `guess` of
-/// the displacements says (by body in its own axes; empty without one).
+/// Moves the forces on members of rigid groups to the bodies of the groups. A time step that keeps the
+/// energy has a `guess` of the displacements, by body in its own axes; empty otherwise.
 pub fn join(bodies: &BodyTable, guess: &[[f64; 3]], interactions: &mut [Interaction]) {
     if bodies.groups.is_empty() {
         return;
@@ -19,10 +19,25 @@ pub fn join(bodies: &BodyTable, guess: &[[f64; 3]], interactions: &mut [Interact
     for c in interactions {
         for (body, first) in [(c.a, true), (c.b, false)] {
             if let Some(group) = bodies.group(body as usize) {
-                let lever = group.mean_lever(bodies.lever(group, body as usize), guess);
+                let lever = lever(bodies, group, body as usize, guess);
                 *c = c.carried_by(first, group.body, lever);
             }
         }
+    }
+}
+
+/// Lever of a member about the centre of its group in the program. That of a wall is of the start, since
+/// the arm from its contacts to its place is.
+pub(crate) fn lever(
+    bodies: &BodyTable,
+    group: &GroupRow,
+    member: usize,
+    guess: &[[f64; 3]],
+) -> DVec2 {
+    let (lever, turned) = (bodies.lever(group, member), guess.get(group.body as usize));
+    match turned {
+        Some([_, _, angle]) if member < bodies.particles => GroupRow::mean_lever(lever, *angle),
+        _ => lever,
     }
 }
 

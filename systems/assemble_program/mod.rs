@@ -123,5 +123,7 @@ pub fn assemble_interactions(
     }
     cell::set_images(bodies, interactions);
     turning::carry(&trial, &found, interactions);
-    groups::join(bodies, &found.corrections.guesses.last, interactions);
+    let keeps_energy = settings.analysis.kind.theta() < 1.0;
+    let guess = if keeps_energy { &found.corrections.guesses.last[..] } else { &[] };
+    groups::join(bodies, guess, interactions);
 }

@@ -17,14 +17,16 @@ use crate::solved::Solved;
 /// Elongation over the length of a bond below which it counts as slack.
 const MIN_ELONGATION: f64 = 1e-9;
 
-/// Tension of a bond that counts, N. The elongation of an elastic bond does not tell it, because a bond
-/// that has turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the
-/// weight of its grain stretches it. Where rigid bonds form loops their tension is one of many, and no tie
-/// moves.
+/// Tension of an elastic bond that counts, N: its elongation does not tell it, because a bond that has
+/// turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
+/// of its grain stretches it. The tension of a rigid bond is not unique.
 fn tension(bond: &Interaction, tension: f64) -> f64 {
-    let slack = MIN_ELONGATION * (bond.arm_a + bond.arm_b);
-    let is_taut = bond.normal_compliance == 0.0 || tension * bond.normal_compliance > slack;
-    if is_taut { tension.min(bond.limits.tension) } else { 0.0 }
+    let elongation = tension * bond.normal_compliance;
+    if elongation > MIN_ELONGATION * (bond.arm_a + bond.arm_b) {
+        tension.min(bond.limits.tension)
+    } else {
+        0.0
+    }
 }
 
 /// Appends the ties of taut bonds.

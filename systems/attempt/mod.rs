@@ -19,6 +19,7 @@ pub mod loose_grains;
 pub mod motion;
 pub mod next;
 mod run;
+mod slip;
 pub mod through_walls;
 pub mod too_far;
 

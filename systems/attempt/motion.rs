@@ -20,18 +20,18 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{BodyTable, BondRow, Contact};
-use clastic_components::contact_history::{ContactHistory, DraftHistory};
+use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::findings::{
     AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures, Sliding,
 };
 use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress};
 use clastic_components::motion::Motion;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, SolveStatus};
+use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
 use super::loose_grains::{Lost, lost, may_fall};
+use super::slip::follow_slip;
 use crate::contact_laws::Laws;
-use crate::ending::geometry::Increment;
 use crate::kinetic_damping;
 use crate::motion_settings::MotionSettings;
 use crate::places::{digits, moves_most, near};
@@ -269,26 +269,6 @@ pub fn take_step(world: &mut World) {
         kinetic_damping::carry_on(motion, &displacements, far, &settings);
     }
     world.resource_mut::<BodyTable>().drives_stopped = true;
-}
-
-/// Gives bonds the shear force of their slip along the finite motion of the step. The slip of the
-/// program lacks L phi^3/6 where a bond turns by phi, which its spring would keep for good.
-fn follow_slip(solved: Solved, corrections: &Corrections, history: &mut ContactHistory) {
-    let is_spring = |c: &Interaction| c.limits.has_strength() && c.tangential_compliance > 0.0;
-    let springs: Vec<bool> = solved.program.interactions.iter().map(is_spring).collect();
-    if !springs.contains(&true) {
-        return;
-    }
-    let step = Increment { solved, theta: None };
-    let misfits = step.ending(corrections, &springs).misfits;
-    for ((contact, c, _), [_, slip]) in solved.contacts().zip(misfits) {
-        let memory = history.0.binary_search_by_key(&(contact.a, contact.b), |m| (m.a, m.b));
-        if let Ok(memory) = memory
-            && slip != 0.0
-        {
-            history.0[memory].q += slip / c.tangential_compliance;
-        }
-    }
 }
 
 /// Moves bodies and contact memory by the solution of the step and breaks the bonds that it brings

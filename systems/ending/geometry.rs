@@ -23,7 +23,7 @@ use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Interaction};
 
-use crate::assemble_program::taut;
+use crate::assemble_program::{groups, taut};
 use crate::moved::Moved;
 use crate::solved::{Solved, SolvedContact};
 
@@ -49,10 +49,11 @@ pub struct Ending {
 
 impl Increment<'_> {
     /// The geometry of every pair about the motion `u`, to which the solution has led, sorted by pair.
-    pub fn about(&self, u: &[[f64; 3]]) -> Vec<Correction> {
+    /// The next program has the levers of the guess `last`.
+    pub fn about(&self, u: &[[f64; 3]], last: &[[f64; 3]]) -> Vec<Correction> {
         let end = Moved::by(self.solved, u, 1.0).positions;
         let correction = |(contact, c, [p, ..]): SolvedContact| {
-            let (exact, moved) = self.exact(contact, c, u, &end, u)?;
+            let (exact, moved) = self.exact(contact, c, u, &end, last)?;
             Some(Correction {
                 pair: (contact.a, contact.b),
                 normal: exact.normal,
@@ -198,10 +199,11 @@ impl Increment<'_> {
             of_wall(bodies, contact, way, theta.is_some())
         }?;
         if is_grouped {
+            let guess = if theta.is_some_and(|theta| theta < 1.0) { guess } else { &[] };
             let linear = |i: usize| -> DVec2 {
                 let Some(group) = bodies.group(i) else { return end[i] - bodies.positions[i] };
                 let u = u[group.body as usize];
-                let lever = group.mean_lever(bodies.lever(group, i), guess);
+                let lever = groups::lever(bodies, group, i, guess);
                 let [x, y, _] = GroupRow::carried_linearly(u, lever);
                 DVec2::new(x, y)
             };

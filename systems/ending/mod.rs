@@ -20,7 +20,8 @@
 //! curved walls. Rigid bonds that form a loop leave no room for gaps that the program does not have.
 //! The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
 //! come closer to those with passes. There the out-of-balance force is recorded. In time steps with
-//! theta < 1 passes also are for elastic contacts, since they keep the energy of an impact.
+//! theta < 1 passes also are for elastic contacts, since they keep the energy of an impact, and for rigid
+//! bonds, which gain energy where they turn with the normals of the start.
 
 mod energy;
 pub mod geometry;
@@ -142,7 +143,7 @@ pub fn judge(
             if is_elastic { turn / tables.acceptance.turn } else { 0.0 }
         };
         let guess = motion.next(&mut state.guesses, (&idle, growth), solution, over);
-        state.list = increment.about(&guess);
+        state.list = increment.about(&guess, &state.guesses.last);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
     } else if is_lost {
@@ -200,7 +201,7 @@ impl Tables<'_> {
         let maximum = force_scale(program, &solution.forces);
         let motion = largest(&solution.displacements, bodies.mean_radius);
         let is_free = |c: &Interaction| maximum * c.normal_compliance < FREE * motion;
-        let interactions = program.interactions.iter().zip(carrying(program, solution));
+        let interactions = program.interactions.iter().zip(carrying(solution));
         interactions
             .map(|(c, carries)| {
                 let is_bond = c.limits.has_strength();

@@ -55,7 +55,7 @@ fn increments_that_an_accuracy_chooses_and_an_until_cuts() {
     let sets = [
         "stages.shear.increments=6",
         "stages.shear.accuracy=0.02",
-        "stages.shear.stop=[Until(\"shear_stress_pa\", 3.0e3)]",
+        "stages.shear.stop=[Until(\"shear_stress_pa\", 12.0e3)]",
     ];
     let loaded = load_small_cell(&sets);
     let records = same_from_anywhere(&loaded, |_| true);

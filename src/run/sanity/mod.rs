@@ -98,7 +98,8 @@ pub struct Report {
     /// Diameters of the largest disk across the smaller side of the specimen, where it is one.
     pub disks_across: Option<f64>,
     /// Gap that sliding contacts open in a static increment over the elastic closure p/k of all contacts,
-    /// both means weighted by the normal forces: the associated law dilates. Infinite if all are rigid.
+    /// both means weighted by the normal forces: the associated law dilates. Infinite if all are rigid,
+    /// which a record has as `null`.
     pub opening_over_closure: Option<f64>,
     /// Warnings, each with its source.
     pub warnings: Vec<String>,
@@ -134,7 +135,8 @@ impl Report {
         if let Some(ratio) = self.increment_over_elastic_strain.filter(|ratio| *ratio > STEP) {
             warnings.push(format!(
                 "an increment strains the specimen by {ratio:.1} elastic strains: the initial modulus, \
-                 the first yield and, with per cents an increment, the strength are not resolved; give smaller increments (p h/k is the range of \
+                 the first yield and, where it is a per cent or more, the strength are not resolved; \
+                 give smaller increments (p h/k is the range of \
                  elastic strain, Roux and Combe 2002)"
             ));
         }

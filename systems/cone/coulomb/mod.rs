@@ -26,7 +26,7 @@ use self::system::System;
 use super::condensed::matrix::{Kept, Lu};
 use super::condensed::settings::DEFAULT_RESIDUAL;
 use super::condensed::{sleeping, sweeps};
-use super::residuals::{MIN_FORCE, applied_force, choose_displacements, natural_map};
+use super::residuals::{applied_force, choose_displacements, min_force, natural_map};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -146,7 +146,7 @@ impl Coulomb {
 /// Maximum force, contact or applied, N; at least the minimum that residuals are relative to.
 fn unit_of_force(program: &ConeProgram, start: &ConeSolution) -> f64 {
     let contact = start.forces.iter().map(|f| f[0].abs().max(f[1].abs())).fold(0.0, f64::max);
-    contact.max(applied_force(program)).max(MIN_FORCE * program.scales.force)
+    contact.max(applied_force(program)).max(min_force(program, &start.forces))
 }
 
 /// Evaluates points on the program in SI units and keeps the best one.

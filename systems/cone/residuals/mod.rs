@@ -17,7 +17,7 @@
 
 mod units;
 
-pub(crate) use self::units::{MIN_FORCE, Units, applied_force};
+pub(crate) use self::units::{Units, applied_force, min_force};
 pub use self::units::{displacement_scale, force_scale};
 use crate::program::{
     ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw, SolveStatus,

@@ -12,11 +12,18 @@ use crate::program::{
 /// would not show.
 const MAX_FORCE: f64 = 1e5;
 
-/// Minimum unit of force over the force scale of the program.
-pub(crate) const MIN_FORCE: f64 = 1e-2;
+/// Minimum unit of force over the force scale of the program, and over the maximum rolling moment per
+/// length scale.
+const MIN_FORCE: f64 = 1e-2;
 
-/// Maximum force of the program, contact or applied, N; at least 1 % of the force scale. A rolling
-/// moment counts over the length scale, and an applied moment over the maximum arm of its body.
+/// Minimum unit of force, N. Under a moment alone forces are round-off.
+pub(crate) fn min_force(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
+    let moment = forces.iter().map(|f| f[2].abs()).fold(0.0, f64::max);
+    MIN_FORCE * program.scales.force.max(moment / program.scales.length)
+}
+
+/// Maximum force of the program, contact or applied, N; at least 1 % of the force scale and of the
+/// maximum rolling moment over the length scale.
 ///
 /// Contact forces count if they act on a free degree of freedom. Between a rigid wall and a disk
 /// that is held against it any force is a solution, and relative to 1e24 N no error would show.
@@ -40,42 +47,18 @@ pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
                 contact = f;
             }
         }
-        let turns = |i: u32| matches!(program.bodies[i as usize].dofs[2], Dof::Free(_));
-        if turns(c.a) || turns(c.b) {
-            contact = contact.max(f[2].abs() / program.scales.length);
-        }
     }
     let applied = applied_force(program);
     // If all forces are zero (a bond has broken, a specimen is unloaded), the round-off of forces
     // that were there before must not count as an error.
     let expected = applied.max(program.scales.force);
-    contact.min(MAX_FORCE * expected).max(applied).max(MIN_FORCE * program.scales.force)
+    contact.min(MAX_FORCE * expected).max(applied).max(min_force(program, forces))
 }
 
-/// Maximum applied force, N: also of the forces that a moment needs at the maximum arm of its body.
+/// Maximum applied force, N.
 pub(crate) fn applied_force(program: &ConeProgram) -> f64 {
-    let applied = |k: usize| {
-        let each = program.bodies.iter().map(move |body| match body.dofs[k] {
-            Dof::Free(free) => (free.load - free.momentum).abs(),
-            Dof::Fixed(_) => 0.0,
-        });
-        each.enumerate().filter(|(_, load)| *load > 0.0)
-    };
-    let force = applied(0).chain(applied(1)).map(|(_, force)| force).fold(0.0, f64::max);
-    if applied(2).next().is_none() {
-        return force;
-    }
-    let mut arms = vec![0.0_f64; program.bodies.len()];
-    for c in &program.interactions {
-        for (body, arm, normal_arm) in
-            [(c.a, c.arm_a, c.normal_arm_a), (c.b, c.arm_b, c.normal_arm_b)]
-        {
-            let longest = &mut arms[body as usize];
-            *longest = longest.max(arm.hypot(normal_arm));
-        }
-    }
-    let moments = applied(2).filter(|(body, _)| arms[*body] > 0.0);
-    moments.map(|(body, moment)| moment / arms[body]).fold(force, f64::max)
+    let translations = program.bodies.iter().flat_map(|b| b.free().filter(|(k, _)| *k < 2));
+    translations.map(|(_, free)| (free.load - free.momentum).abs()).fold(0.0, f64::max)
 }
 
 /// Maximum displacement, m, between 1e-6 and 1 mean radii: relative to a body that a solver throws
