@@ -125,9 +125,9 @@ impl ContactHistory {
         self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
     }
 
-    /// The pairs and the larger of their normal and shear forces, N.
-    pub fn sizes(&self) -> impl Iterator<Item = (u32, u32, f64)> + Clone + '_ {
-        self.0.iter().map(|m| (m.a, m.b, m.p.abs().max(m.q.abs())))
+    /// The pairs and the maximum of their normal force, shear force and moment over `length` (m), N.
+    pub fn sizes(&self, length: f64) -> impl Iterator<Item = (u32, u32, f64)> + Clone + '_ {
+        self.0.iter().map(move |m| (m.a, m.b, m.p.abs().max(m.q.abs()).max(m.tau.abs() / length)))
     }
 
     /// Look-up of memories for pairs (a, b) in ascending order. It is faster than

@@ -52,11 +52,10 @@ pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
     turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The grain with the maximum turn in the increment, if it exceeds [`Acceptance::turn`], and this turn,
-/// rad.
+/// The grain of [`furthest`], if its turn exceeds [`Acceptance::turn`], and this turn, rad.
 #[must_use]
-pub fn too_far(solved: Solved, acceptance: &Acceptance) -> Option<(usize, f64)> {
-    furthest(solved, false).filter(|(_, turn)| !(*turn <= acceptance.turn))
+pub fn too_far(solved: Solved, acceptance: &Acceptance, is_followed: bool) -> Option<(usize, f64)> {
+    furthest(solved, is_followed).filter(|(_, turn)| !(*turn <= acceptance.turn))
 }
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.

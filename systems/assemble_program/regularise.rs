@@ -55,7 +55,8 @@ pub(super) fn regularise(
     // the last increment, or in a rejected solution of this one, may be part of a mechanism.
     let bearing = |i: usize| attempt.bearing.get(i).copied().unwrap_or_default();
     if !history.0.is_empty() {
-        for (i, loaded) in find_loaded(bodies.particles, history.sizes()).into_iter().enumerate() {
+        let sizes = history.sizes(bodies.mean_radius);
+        for (i, loaded) in find_loaded(bodies.particles, sizes).into_iter().enumerate() {
             regularised[i] |= !loaded && bearing(i) != Bearing::Load;
         }
         // A group without load on any member is such a body.

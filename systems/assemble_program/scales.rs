@@ -6,7 +6,6 @@ use glam::DVec2;
 
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::BodyTable;
-use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
 
@@ -26,7 +25,9 @@ pub(super) fn estimate(trial: &Trial, settings: &Settings, program: &ConeProgram
         if known > 0.0 { known } else { maximum_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
     let determined = determined_force(program, interactions, displacement);
-    let force = force(&trial.history.0, program, interactions, displacement, determined);
+    let remembered = trial.history.0.sizes(length).map(|(.., size)| size).fold(0.0, f64::max);
+    let remembered = remembered.min(determined);
+    let force = force(remembered, program, interactions, displacement);
     match trial.attempt.magnitudes {
         // The magnitudes of a failed attempt are used unless they are round-off, or so large that
         // they would hide all errors because the solver diverged.
@@ -124,14 +125,11 @@ fn determined_force(program: &ConeProgram, interactions: &[Interaction], displac
 }
 
 fn force(
-    history: &ContactHistory,
+    remembered: f64,
     program: &ConeProgram,
     interactions: &[Interaction],
     displacement: f64,
-    determined: f64,
 ) -> f64 {
-    let remembered = history.sizes().map(|(.., size)| size).fold(0.0, f64::max);
-    let remembered = remembered.min(determined);
     let loads = maximum_load(program);
     let inertial = free_translations(program).map(|f| f.inertia * displacement).fold(0.0, f64::max);
     let expected = remembered.max(0.1 * loads).max(0.1 * inertial);

@@ -47,7 +47,8 @@ pub fn judge(
     let Some(grains) = loose(&bodies, &far) else { return };
     attempt.verdict = Verdict::Loose;
     if !may_begin(&attempt, &acceptance, &settings) {
-        let grains = carry_themselves(&bodies, &grains, draft.0.sizes()).unwrap_or_default();
+        let sizes = draft.0.sizes(bodies.mean_radius);
+        let grains = carry_themselves(&bodies, &grains, sizes).unwrap_or_default();
         if grains.iter().any(|i| !bodies.set_aside[*i]) {
             grains.iter().for_each(|i| bodies.set_aside[*i] = true);
             attempt.verdict = Verdict::Again;

@@ -16,7 +16,7 @@ use crate::assemble_program::regularise::MIN_LOAD;
 use crate::mechanism::TAKES_PART;
 use crate::places::{digits, near};
 use crate::solved::Solved;
-use crate::turns::{furthest, of_bonded, turns};
+use crate::turns::{of_bonded, too_far, turns};
 use clastic_cone::residuals::force_scale;
 
 /// Rejects a static solution that [turns](crate::turns) a bond or a contact that carries load by more
@@ -39,8 +39,7 @@ pub fn judge(
     let is_followed = corrections.idle_motion.is_some();
     let solved =
         Solved { bodies: &bodies, contacts: &contacts, program: &program, solution: &solution };
-    let found = furthest(solved, is_followed);
-    let far = found.filter(|(_, turn)| !(*turn <= acceptance.turn));
+    let far = too_far(solved, &acceptance, is_followed);
     // With all grains regularised another regularised grain changes nothing.
     let is_new = attempt.effort() != Some(Effort::Regularised)
         && restrain(solved, far.map(|_| acceptance.turn), &mut attempt.bearing);

@@ -58,7 +58,7 @@ pub fn remember_set_aside(
     // A force from outside acts on the fragment of the particle.
     let fragments = fragments(&bodies);
     let mut touched = vec![false; bodies.particles];
-    for (a, b) in loaded_pairs(history.sizes()) {
+    for (a, b) in loaded_pairs(history.sizes(bodies.mean_radius)) {
         let (a, b) = (fragments[a as usize], fragments.get(b as usize));
         if b != Some(&a) {
             touched[a as usize] = true;
