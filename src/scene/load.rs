@@ -177,7 +177,9 @@ fn from_text(
     let Some(mut root) = root else {
         return Err(LoadError::Scene(SceneErrors::new(name, &edited, placed)));
     };
-    let Values { placed: misused, tables, made_up: no_values } = values::put_in(&mut root);
+    let before = if sets.is_empty() { None } else { scan(text).0 };
+    let spared = before.as_ref().map(values::used).unwrap_or_default();
+    let Values { placed: misused, tables, made_up: no_values } = values::put_in(&mut root, &spared);
     let (mut scene, notes) = read::read::<Scene>(&root);
     let Notes { placed: misread, mut made_up, renamed } = notes;
     made_up.extend(no_values);

@@ -70,9 +70,17 @@ pub(super) struct Values {
     pub made_up: Vec<String>,
 }
 
-/// Puts numbers in place of names and expressions.
-pub(super) fn put_in(root: &mut Node) -> Values {
-    let (values, mut replacements) = replacements(root);
+/// Names that stand in the numbers of a text.
+pub(super) fn used(root: &Node) -> BTreeSet<String> {
+    let mut uses = Vec::new();
+    walk(root, String::new(), None, &mut uses);
+    uses.iter().flat_map(|at| at.expression.names()).map(str::to_owned).collect()
+}
+
+/// Puts numbers in place of names and expressions. Names that are `spared` need no use: a setting has
+/// taken it.
+pub(super) fn put_in(root: &mut Node, spared: &BTreeSet<String>) -> Values {
+    let (values, mut replacements) = replacements(root, spared);
     replace(root, &mut replacements);
     values
 }
@@ -94,7 +102,7 @@ fn replace<'t>(node: &mut Node<'t>, replacements: &mut Replacements<'t>) {
     }
 }
 
-fn replacements<'t>(root: &Node<'t>) -> (Values, Replacements<'t>) {
+fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Values, Replacements<'t>) {
     let mut values = Values::default();
     let places = defined_names(root);
     let mut uses = Vec::new();
@@ -115,7 +123,7 @@ fn replacements<'t>(root: &Node<'t>) -> (Values, Replacements<'t>) {
         let is_known = |name: &&str| places.contains_key(*name) || at.own.contains(name);
         at.expression.names().iter().all(is_known)
     });
-    let mut findings = findings(&places, &uses);
+    let mut findings = findings(&places, &uses, spared);
     findings.extend(defined(root).iter().filter_map(not_finite));
     let numbers = numbers(root, &uses);
     let value = |name: &str| Some(numbers.get(name)?.0);
@@ -186,7 +194,11 @@ fn not_finite(Entry { key, value }: &Entry) -> Option<Finding> {
     Some(Finding::new(path, format!("not finite ({number})"), "give a number"))
 }
 
-fn findings(places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Finding> {
+fn findings(
+    places: &BTreeMap<String, Span>,
+    uses: &[Use],
+    spared: &BTreeSet<String>,
+) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut known = Known::new();
     let at_key = |path: &str, message: String, help: String| Finding {
@@ -211,6 +223,9 @@ fn findings(places: &BTreeMap<String, Span>, uses: &[Use]) -> Vec<Finding> {
             findings.push(at_key(&path, message, format!("give `{name}` another name in `let`")));
         }
         if !uses.iter().any(|at| at.has(name)) {
+            if spared.contains(name) {
+                continue;
+            }
             let others = places.keys().map(String::as_str).filter(|other| other != name);
             let help = match suggest::nearest(name, others) {
                 Some(near) => format!("did you mean `{near}`? Else leave it out"),

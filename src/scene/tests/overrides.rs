@@ -32,6 +32,17 @@ fn a_value_is_replaced_and_comments_stay() {
     assert_eq!(text, expected);
 }
 
+/// A setting in place of the only use of a name was refused: "no number uses it".
+#[test]
+fn a_setting_may_take_the_only_use_of_a_name() {
+    let named =
+        SMALL.replace("version: 1,", "version: 1, let: { \"depth\": 2.0 }, thickness: depth,");
+    assert!(named != SMALL);
+    assert_eq!(read(&named, &["thickness=3.0"]).unwrap().scene.thickness, 3.0);
+    let idle = named.replace("thickness: depth,", "");
+    assert!(read(&idle, &["thickness=3.0"]).is_err());
+}
+
 #[test]
 fn later_settings_see_earlier_ones() {
     let sets = ["analysis=Dynamic(dt: 1.0)", "analysis.dt=1e-3", "analysis.theta=0.5"];
