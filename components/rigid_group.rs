@@ -88,8 +88,8 @@ impl GroupRow {
     }
 
     /// The lever l' with which the motion of a member to first order is the finite one, if the group
-    /// turns by `angle`, rad: `angle perp(l') = (R - 1) lever`. It is the mean of the levers before and
-    /// after, but for angle^2/12 of it. With it forces do the work of the finite motion.
+    /// turns by `angle`, rad: `angle perp(l') = (R - 1) lever`. It exceeds the mean of the levers before
+    /// and after by angle^2/12 of it. With it forces do the work of the finite motion.
     #[must_use]
     pub fn mean_lever(lever: DVec2, angle: f64) -> DVec2 {
         if angle == 0.0 {

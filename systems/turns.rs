@@ -25,7 +25,8 @@ use crate::solved::Solved;
 /// Minimum force of a contact that carries load, over the maximum force.
 const LOADED: f64 = 1e-3;
 
-/// Which interactions carry load, in the order of the program: those with a force that counts.
+/// Which interactions carry load, in the order of the program: those with a force that counts. Moments
+/// are left out: where their contact turns they keep their axis.
 #[must_use]
 pub fn carrying(solution: &ConeSolution) -> Vec<bool> {
     let maximum = solution.forces.iter().map(size).fold(0.0, f64::max);

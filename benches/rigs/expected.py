@@ -153,7 +153,7 @@ def periodic(run, drained):
     held = figure("error of the stresses", off, 0, 1e-6)
     if not drained:
         held = figure("strain of width and height", strains, 0, 1e-12)
-    # da Cruz et al. 2005: 0.25 in the critical state, which a dense packing exceeds; 0.45 are 27 degrees.
+    # da Cruz et al. 2005: 0.25 in the critical state, which a dense packing exceeds; 0.45 is sin 27 degrees.
     return [held, figure("maximum of tau/p", max(ratios), 0.25, 0.45)]
 
 

@@ -108,10 +108,9 @@ pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
 /// Why a compaction cannot begin: there are bonds, or no disks of these radii are as dense.
 pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
     if intact(world) > 0 {
-        // It would strain the bonds, whose forces have no meaning in it.
-        return Some(
-            "there are bonds, and a compaction is rigid; compact before `Cement`".to_owned(),
-        );
+        let message = "there are bonds, which a compaction of rigid disks would strain without forces; \
+                       compact before `Cement`";
+        return Some(message.to_owned());
     }
     let CompactTarget::Porosity(target) = stage.target else { return None };
     Disks::in_world(world).refusal(target)

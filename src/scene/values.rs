@@ -187,7 +187,7 @@ fn literal(node: &Node) -> Option<f64> {
     ron::from_str(node.literal).ok()
 }
 
-/// A number of `let` that is none, such as a gap in a table.
+/// The message for a number of `let` that is infinite or NaN, such as a gap in a table.
 fn not_finite(Entry { key, value }: &Entry) -> Option<Finding> {
     let number = literal(value).filter(|number| !number.is_finite())?;
     let path = join("let", &key.as_ref()?.text);
@@ -222,10 +222,11 @@ fn findings(
             let message = format!("`{name}` is the {what} of the stage at {at}");
             findings.push(at_key(&path, message, format!("give `{name}` another name in `let`")));
         }
-        if !uses.iter().any(|at| at.has(name)) {
-            if spared.contains(name) {
-                continue;
-            }
+        let is_used = uses.iter().any(|at| at.has(name));
+        if !is_used && spared.contains(name) {
+            continue;
+        }
+        if !is_used {
             let others = places.keys().map(String::as_str).filter(|other| other != name);
             let help = match suggest::nearest(name, others) {
                 Some(near) => format!("did you mean `{near}`? Else leave it out"),

@@ -26,8 +26,8 @@ pub fn join(bodies: &BodyTable, guess: &[[f64; 3]], interactions: &mut [Interact
     }
 }
 
-/// Lever of a member about the centre of its group in the program. That of a wall is of the start, since
-/// the arm from its contacts to its place is.
+/// Lever of a member about the centre of its group in the program: that of the start without a `guess`,
+/// and for a wall, whose arm from its contacts to its place is of the start too.
 pub(crate) fn lever(
     bodies: &BodyTable,
     group: &GroupRow,

@@ -19,6 +19,7 @@ pub(super) fn follow_slip(solved: Solved, corrections: &Corrections, history: &m
     let misfits = step.ending(corrections, &springs).misfits;
     for ((contact, c, f), [_, slip]) in solved.contacts().zip(misfits) {
         let memory = history.0.binary_search_by_key(&(contact.a, contact.b), |m| (m.a, m.b));
+        // Others than springs have none.
         if let Ok(memory) = memory
             && slip != 0.0
             && !c.limits.slides(f)

@@ -48,7 +48,7 @@ pub fn errors(
                 let is_open = i == 0 && !is_bond;
                 let answer = if is_open { answer.max(-f[0]) } else { answer };
                 of_misfits += 0.5 * compliance[i] * answer * answer;
-            } else if compliance[i] == 0.0 && is_bond {
+            } else if compliance[i] == 0.0 && is_bond && !gives_way[i] {
                 // The next step moves the bodies of a rigid bond back against their inertia.
                 of_misfits += 0.5 * inertia(program, c) * misfit * misfit;
             }
@@ -78,8 +78,7 @@ pub fn errors(
 fn inertia(program: &ConeProgram, c: &Interaction) -> f64 {
     let bodies = [c.a, c.b].map(|i| &program.bodies[i as usize]);
     let inertias = bodies.iter().flat_map(|body| body.free().filter(|(k, _)| *k < 2));
-    let minimum = inertias.map(|(_, free)| free.inertia).fold(f64::INFINITY, f64::min);
-    if minimum.is_finite() { minimum } else { 0.0 }
+    inertias.map(|(_, free)| free.inertia).reduce(f64::min).unwrap_or(0.0)
 }
 
 fn dot(x: &[f64; 3], y: &[f64; 3]) -> f64 {

@@ -149,7 +149,7 @@ pub fn judge(
     } else if is_lost {
         attempt.turn = far.and_then(|far| of_bonded(bodies, far));
         let why = if keeps_energy {
-            "its energy would not stay; a smaller `dt` resolves the contacts, `theta: 1.0` damps them".to_owned()
+            "its energy would not stay; a smaller `dt` resolves contacts and turns, `theta: 1.0` takes energy".to_owned()
         } else {
             format!("it is out of balance by {} of the maximum force", digits(state.imbalance))
         };

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::Sliding;
+use clastic_components::findings::{Corrections, Sliding};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, FrictionLaw};
 use clastic_cone::coulomb::{Coulomb, Goal};
 use clastic_cone::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
@@ -63,6 +63,7 @@ pub fn solve_sliding(
     analysis: Res<ClasticAnalysis>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
+    corrections: Res<Corrections>,
     mut associated: ResMut<Solver>,
     mut solver: ResMut<SlidingSolver>,
     program: Res<ConeProgram>,
@@ -82,7 +83,7 @@ pub fn solve_sliding(
     let is_static = analysis.kind == AnalysisKind::Static;
     let solved =
         Solved { bodies: &bodies, contacts: &contacts, program: &program, solution: &solution };
-    if is_static && too_far(solved, &acceptance, false).is_some() {
+    if is_static && too_far(solved, &acceptance, corrections.idle_motion.is_some()).is_some() {
         return;
     }
     let bound = Sliding::bound(&acceptance);

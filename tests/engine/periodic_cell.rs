@@ -361,7 +361,7 @@ fn packings_at_constant_mean_stress() {
                 shear: Some(CellTarget::Strain(shear)),
                 ..CellControl::default()
             }));
-            clastic::scene::format::Stage::Load(load)
+            Stage::Load(load)
         };
         let new = [
             stage("confine", 3, 50.0e3, 0.0, 0.0),
@@ -410,7 +410,7 @@ fn cemented(strength: f64, more: &str, stages: &str) -> Scene {
         select: None,
         bond: None,
     };
-    loaded.stages.insert(0, clastic::scene::format::Stage::Cement(cement));
+    loaded.stages.insert(0, Stage::Cement(cement));
     let material = loaded.materials.get_mut("sand").unwrap();
     material.bond = Some(clastic::scene::format::Bond {
         normal_stiffness: Some(NORMAL),

@@ -107,9 +107,8 @@ impl KeyResults {
     pub(super) fn first_gain(&self, peak: f64) -> Option<(Point, Point, bool)> {
         let touch = 1e-3 * (peak - self.start.stress).abs();
         // What moved before a static stage is not the state that the stage begins with.
-        let stops = |first: &Point| first.kinetic == 0.0 && moves(first, &self.start);
-        let stops = self.curve.first().is_some_and(stops);
-        let start = (!stops).then_some(&self.start);
+        let rests = |first: &Point| first.kinetic == 0.0 && moves(first, &self.start);
+        let start = (!self.curve.first().is_some_and(rests)).then_some(&self.start);
         let points: Vec<&Point> = start.into_iter().chain(&self.curve).collect();
         let mut stress = [self.start.stress; 2];
         let mut strain = [self.start.strain; 2];

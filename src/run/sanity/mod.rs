@@ -135,9 +135,9 @@ impl Report {
         if let Some(ratio) = self.increment_over_elastic_strain.filter(|ratio| *ratio > STEP) {
             warnings.push(format!(
                 "an increment strains the specimen by {ratio:.1} elastic strains: the initial modulus, \
-                 the first yield and, where it is a per cent or more, the strength are not resolved; \
-                 give smaller increments (p h/k is the range of \
-                 elastic strain, Roux and Combe 2002)"
+                 the first yield and, in increments of 1 % strain or more, the strength are not \
+                 resolved; give smaller increments (p h/k is the range of elastic strain, Roux and \
+                 Combe 2002)"
             ));
         }
         if self.opening_over_closure.is_some_and(f64::is_infinite) {

@@ -12,18 +12,21 @@ use crate::program::{
 /// would not show.
 const MAX_FORCE: f64 = 1e5;
 
-/// Minimum unit of force over the force scale of the program, and over the maximum rolling moment per
-/// length scale.
+/// Minimum unit of force over the force scale of the program, and over the maximum moment of a rolling
+/// spring per length scale.
 const MIN_FORCE: f64 = 1e-2;
 
-/// Minimum unit of force, N. Under a moment alone forces are round-off.
+/// Minimum unit of force, N. Under a moment alone forces are round-off. The moment of an elastic spring
+/// counts: that of rigid bodies which are locked may be any.
 pub(crate) fn min_force(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
-    let moment = forces.iter().map(|f| f[2].abs()).fold(0.0, f64::max);
+    let springs = program.interactions.iter().zip(forces);
+    let springs = springs.filter(|(c, _)| c.rolling_compliance > 0.0);
+    let moment = springs.map(|(_, f)| f[2].abs()).fold(0.0, f64::max);
     MIN_FORCE * program.scales.force.max(moment / program.scales.length)
 }
 
 /// Maximum force of the program, contact or applied, N; at least 1 % of the force scale and of the
-/// maximum rolling moment over the length scale.
+/// maximum moment of a rolling spring over the length scale.
 ///
 /// Contact forces count if they act on a free degree of freedom. Between a rigid wall and a disk
 /// that is held against it any force is a solution, and relative to 1e24 N no error would show.
