@@ -87,18 +87,6 @@ impl GroupRow {
         [u[0] + turned.x, u[1] + turned.y, u[2]]
     }
 
-    /// The lever l' with which the motion of a member to first order is the finite one, if the group
-    /// turns by `angle`, rad: `angle perp(l') = (R - 1) lever`. It exceeds the mean of the levers before
-    /// and after by angle^2/12 of it. With it forces do the work of the finite motion.
-    #[must_use]
-    pub fn mean_lever(lever: DVec2, angle: f64) -> DVec2 {
-        if angle == 0.0 {
-            return lever;
-        }
-        let half = (0.5 * angle).sin();
-        angle.sin() / angle * lever + 2.0 * half * half / angle * lever.perp()
-    }
-
     /// Mass of degree of freedom `k`: kg, or kg m^2 of the rotation.
     #[must_use]
     pub fn mass_of(&self, k: usize) -> f64 {

@@ -66,7 +66,7 @@ pub struct WallRotation(pub f64);
 pub struct WallName(pub String);
 
 /// How a wall is controlled during a stage.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Default)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub enum WallControl {
     /// It stays where it is.
@@ -114,8 +114,29 @@ pub enum WallControl {
     Table(TableOf),
 }
 
+impl WallControl {
+    /// Whether the load on the wall changes over the stage.
+    #[must_use]
+    pub fn is_ramp(&self) -> bool {
+        match self {
+            Self::Force { from, to } | Self::Stress { from, to, .. } => from != to,
+            Self::Table(_) => true,
+            _ => false,
+        }
+    }
+
+    /// The walls on whose distance its stress acts.
+    pub fn loaded_between(&mut self) -> Option<[&mut Entity; 2]> {
+        match self {
+            Self::Stress { length: LoadedLength::Between(a, b), .. }
+            | Self::Table(TableOf::Stress(LoadedLength::Between(a, b))) => Some([a, b]),
+            _ => None,
+        }
+    }
+}
+
 /// The quantity of a [`WallTable`].
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum TableOf {
     /// Displacement (x, y) since the start of the stage, m.
@@ -175,15 +196,19 @@ impl WallControl {
     }
 }
 
-/// Length that the stress of a stress-controlled wall acts on.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// Length that the stress of a stress-controlled wall acts on. A state names the two walls apart.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum LoadedLength {
     /// Length of the drawn segment of the wall.
     Segment,
     /// Current distance between two other walls, measured along this wall. Opposite walls that name
     /// one pair share one length, so that their forces balance exactly.
-    Between(Entity, Entity),
+    Between(#[serde(skip, default = "unknown")] Entity, #[serde(skip, default = "unknown")] Entity),
+}
+
+fn unknown() -> Entity {
+    Entity::PLACEHOLDER
 }
 
 /// Motion or load of a wall during a whole increment, which follows from its control.

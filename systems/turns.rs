@@ -15,6 +15,7 @@
 
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, Contact};
+use clastic_components::findings::Corrections;
 use clastic_components::increment::Acceptance;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::ConeSolution;
@@ -53,10 +54,15 @@ pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
     turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The grain of [`furthest`], if its turn exceeds [`Acceptance::turn`], and this turn, rad.
+/// The grain of [`furthest`], if its turn exceeds [`Acceptance::turn`], and this turn, rad. Passes have
+/// followed elastic bonds, which have no memory of the way.
 #[must_use]
-pub fn too_far(solved: Solved, acceptance: &Acceptance, is_followed: bool) -> Option<(usize, f64)> {
-    furthest(solved, is_followed).filter(|(_, turn)| !(*turn <= acceptance.turn))
+pub fn too_far(
+    solved: Solved,
+    acceptance: &Acceptance,
+    passes: &Corrections,
+) -> Option<(usize, f64)> {
+    furthest(solved, passes.idle_motion.is_some()).filter(|(_, turn)| !(*turn <= acceptance.turn))
 }
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.

@@ -167,7 +167,7 @@ impl StateView {
             progress: state.get(PROGRESS)?,
             begun: script.begun,
             ended: script.ends.last().is_some_and(|end| end.ended_by.is_some()),
-            ramps: controls.0.iter().any(|(_, control)| control.is_ramp())
+            ramps: controls.0.iter().any(|(_, control, _)| control.is_ramp())
                 || membranes.iter().any(|membrane| membrane.pressure.0 != membrane.pressure.1)
                 || loads.iter().any(|(_, load)| load.0.iter().any(|(from, to)| from != to)),
             specimen,

@@ -4,12 +4,12 @@ use clastic_components::body::{BodyId, LoadControl};
 use clastic_components::cell::{CellControl, PeriodicCell};
 use clastic_components::energy::{Changed, EnergyLedger};
 use clastic_components::increment::ClasticProgress;
-use clastic_components::wall::WallDrive;
+use clastic_components::wall::{TableOf, WallControl, WallDrive};
 use clastic_systems::gather_bodies::PERIODIC_CELL;
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
 use clastic_systems::schedule::PROGRESS;
 use clastic_systems::state::{StateError, WorldState};
-use clastic_systems::wall_states::{ControlState, ControlStates, WALL_CONTROL};
+use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 use glam::DVec2;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -24,15 +24,15 @@ pub(super) fn settle(state: &mut WorldState, at: &ClasticProgress) -> Result<(),
         }
     })?;
     change(state, WALL_CONTROL, |controls: &mut ControlStates| {
-        for (_, control) in &mut controls.0 {
+        for (_, control, _) in &mut controls.0 {
             match control {
-                ControlState::Force(from, to) | ControlState::Stress(from, to, _) => {
+                WallControl::Force { from, to } | WallControl::Stress { from, to, .. } => {
                     *to = reached(*from, *to);
                 }
                 // A wall that turned in its stage stands still until another stage turns it.
-                ControlState::Rotation(..)
-                | ControlState::Spin(..)
-                | ControlState::RotationTable(_) => *control = ControlState::Fixed,
+                WallControl::Rotation { .. }
+                | WallControl::Spin { .. }
+                | WallControl::Table(TableOf::Rotation(_)) => *control = WallControl::Fixed,
                 _ => {}
             }
         }

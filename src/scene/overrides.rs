@@ -5,7 +5,6 @@
 //! field is inserted together with the structs around it, and the place after the last item of a
 //! list takes a new item.
 
-use std::collections::BTreeSet;
 use std::fmt;
 
 use super::diagnostic::Finding;
@@ -149,7 +148,7 @@ impl Place {
         edited.replace_range(self.span.clone(), new);
         let (root, mut placed) = scan(&edited);
         if let Some(mut root) = root {
-            values::put_in(&mut root, &BTreeSet::new());
+            values::put_in(&mut root, &Default::default());
             placed.extend(read::<Scene>(&root).1.placed);
         }
         let span = self.span.start..self.span.start + new.len();

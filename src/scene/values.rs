@@ -124,7 +124,6 @@ fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Values, Repl
         at.expression.names().iter().all(is_known)
     });
     let mut findings = findings(&places, &uses, spared);
-    findings.extend(defined(root).iter().filter_map(not_finite));
     let numbers = numbers(root, &uses);
     let value = |name: &str| Some(numbers.get(name)?.0);
     let mut replacements = Replacements::new();
@@ -170,7 +169,11 @@ fn numbers(root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
             let of = |name: &str| numbers.get(name).map(|(value, _): &(f64, String)| *value);
             let number = match uses.iter().find(|at| at.node.span == value.span) {
                 Some(at) => at.expression.value(&of).map(|value| (value, value.to_string())),
-                None => literal(value).map(|number| (number, value.literal.to_owned())),
+                None if value.shape != Shape::Number => None,
+                None => {
+                    let number = ron::from_str(value.literal).ok();
+                    number.map(|number| (number, value.literal.to_owned()))
+                }
             };
             if let Some(number) = number.filter(|(value, _)| value.is_finite()) {
                 numbers.insert(name, number);
@@ -180,18 +183,6 @@ fn numbers(root: &Node, uses: &[Use]) -> BTreeMap<String, (f64, String)> {
             return numbers;
         }
     }
-}
-
-/// The number that a node writes out, if it does: `inf` and `NaN` too.
-fn literal(node: &Node) -> Option<f64> {
-    ron::from_str(node.literal).ok()
-}
-
-/// The message for a number of `let` that is infinite or NaN, such as a gap in a table.
-fn not_finite(Entry { key, value }: &Entry) -> Option<Finding> {
-    let number = literal(value).filter(|number| !number.is_finite())?;
-    let path = join("let", &key.as_ref()?.text);
-    Some(Finding::new(path, format!("not finite ({number})"), "give a number"))
 }
 
 fn findings(
@@ -222,11 +213,7 @@ fn findings(
             let message = format!("`{name}` is the {what} of the stage at {at}");
             findings.push(at_key(&path, message, format!("give `{name}` another name in `let`")));
         }
-        let is_used = uses.iter().any(|at| at.has(name));
-        if !is_used && spared.contains(name) {
-            continue;
-        }
-        if !is_used {
+        if !spared.contains(name) && !uses.iter().any(|at| at.has(name)) {
             let others = places.keys().map(String::as_str).filter(|other| other != name);
             let help = match suggest::nearest(name, others) {
                 Some(near) => format!("did you mean `{near}`? Else leave it out"),

@@ -28,15 +28,21 @@ pub fn join(bodies: &BodyTable, guess: &[[f64; 3]], interactions: &mut [Interact
 
 /// Lever of a member about the centre of its group in the program: that of the start without a `guess`,
 /// and for a wall, whose arm from its contacts to its place is of the start too.
+///
+/// If the group turns by the angle a of the guess, a particle has the lever l' with which the motion to
+/// first order is the finite one, `a perp(l') = (R - 1) l`: forces do the work of the finite motion.
 pub(crate) fn lever(
     bodies: &BodyTable,
     group: &GroupRow,
     member: usize,
     guess: &[[f64; 3]],
 ) -> DVec2 {
-    let (lever, turned) = (bodies.lever(group, member), guess.get(group.body as usize));
-    match turned {
-        Some([_, _, angle]) if member < bodies.particles => GroupRow::mean_lever(lever, *angle),
+    let lever = bodies.lever(group, member);
+    match guess.get(group.body as usize) {
+        Some([_, _, angle]) if *angle != 0.0 && member < bodies.particles => {
+            let half = (0.5 * angle).sin();
+            (angle.sin() * lever + 2.0 * half * half * lever.perp()) / *angle
+        }
         _ => lever,
     }
 }

@@ -62,9 +62,7 @@ pub fn judge(
         },
         SolveStatus::Locked => Verdict::Locked,
         SolveStatus::Stalled if seeks_equilibrium && is_biased(&program, solution) => {
-            if is_static
-                && too_far(solved, &acceptance, corrections.idle_motion.is_some()).is_some()
-            {
+            if is_static && too_far(solved, &acceptance, &corrections).is_some() {
                 // A grain that lacks support does not find it where the centre goes.
                 Verdict::Sound
             } else if centre.moves < max_moves(&acceptance) {

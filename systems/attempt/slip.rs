@@ -12,16 +12,11 @@ use crate::solved::Solved;
 pub(super) fn follow_slip(solved: Solved, corrections: &Corrections, history: &mut ContactHistory) {
     let is_spring = |c: &Interaction| c.limits.has_strength() && c.tangential_compliance > 0.0;
     let springs: Vec<bool> = solved.program.interactions.iter().map(is_spring).collect();
-    if !springs.contains(&true) {
-        return;
-    }
-    let step = Increment { solved, theta: None };
-    let misfits = step.ending(corrections, &springs).misfits;
+    let misfits = Increment { solved, theta: None }.ending(corrections, &springs).misfits;
     for ((contact, c, f), [_, slip]) in solved.contacts().zip(misfits) {
         let memory = history.0.binary_search_by_key(&(contact.a, contact.b), |m| (m.a, m.b));
-        // Others than springs have none.
         if let Ok(memory) = memory
-            && slip != 0.0
+            && is_spring(c)
             && !c.limits.slides(f)
         {
             history.0[memory].q += slip / c.tangential_compliance;

@@ -35,11 +35,9 @@ pub fn judge(
     if analysis.kind != AnalysisKind::Static {
         return;
     }
-    // The passes have followed elastic bonds, which have no memory of the way.
-    let is_followed = corrections.idle_motion.is_some();
     let solved =
         Solved { bodies: &bodies, contacts: &contacts, program: &program, solution: &solution };
-    let far = too_far(solved, &acceptance, is_followed);
+    let far = too_far(solved, &acceptance, &corrections);
     // With all grains regularised another regularised grain changes nothing.
     let is_new = attempt.effort() != Some(Effort::Regularised)
         && restrain(solved, far.map(|_| acceptance.turn), &mut attempt.bearing);

@@ -149,7 +149,8 @@ pub fn judge(
     } else if is_lost {
         attempt.turn = far.and_then(|far| of_bonded(bodies, far));
         let why = if keeps_energy {
-            "its energy would not stay; a smaller `dt` resolves contacts and turns, `theta: 1.0` takes energy".to_owned()
+            let help = "a smaller `dt` resolves contacts and turns, `theta: 1.0` takes energy";
+            format!("its energy would not stay; {help}")
         } else {
             format!("it is out of balance by {} of the maximum force", digits(state.imbalance))
         };

@@ -83,7 +83,7 @@ pub fn solve_sliding(
     let is_static = analysis.kind == AnalysisKind::Static;
     let solved =
         Solved { bodies: &bodies, contacts: &contacts, program: &program, solution: &solution };
-    if is_static && too_far(solved, &acceptance, corrections.idle_motion.is_some()).is_some() {
+    if is_static && too_far(solved, &acceptance, &corrections).is_some() {
         return;
     }
     let bound = Sliding::bound(&acceptance);

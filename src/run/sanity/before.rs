@@ -11,8 +11,9 @@ use crate::scene::format::{
     Scene, Specimen, Stage, Strain, Table, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
+use clastic_components::wall;
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
-use clastic_systems::wall_states::{ControlState, ControlStates, WALL_CONTROL};
+use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::material::{Grains, inertial};
 use super::mistakes::mistakes;
@@ -95,8 +96,8 @@ fn kept(stored: Option<&StoredSpecimen>) -> Option<f64> {
     let state = stored?.gives_walls()?;
     let world = &state.saved.as_ref()?.world;
     let walls = world.get::<ControlStates>(WALL_CONTROL).map(|list| list.0).unwrap_or_default();
-    let walls = walls.into_iter().filter_map(|(_, control)| match control {
-        ControlState::Stress(_, reached, _) => Some(reached),
+    let walls = walls.into_iter().filter_map(|(_, control, _)| match control {
+        wall::WallControl::Stress { to, .. } => Some(to),
         _ => None,
     });
     let membranes = world.get::<MembraneStates>(MEMBRANES).map(|list| list.0).unwrap_or_default();

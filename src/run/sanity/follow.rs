@@ -42,12 +42,13 @@ pub struct Sanity {
     /// Maximum cohesion or tensile strength of the bonds that were there, Pa; 0 without bonds.
     strength: f64,
     /// Sums over the static increments from the reference stage on, weighted by the normal forces, J: of
-    /// the gaps that sliding opens, of the elastic closures, and of the mean radius.
-    opened: [f64; 3],
+    /// the gaps that sliding opens, and of the elastic closures.
+    opened: [f64; 2],
 }
 
-/// Mean gap, mean radii, from which sliding opens rigid contacts: more than round-off.
-const OPENS: f64 = 1e-6;
+/// Minimum closure of a contact, mean radii: gaps that sliding opens between rigid grains count, and
+/// round-off does not.
+const MIN_CLOSURE: f64 = 1e-6;
 
 impl Sanity {
     /// The ratios so far.
@@ -56,15 +57,14 @@ impl Sanity {
         let [time, axial, across, shear, pressure] = self.dynamic;
         let strain = axial.abs().max(across.abs()).hypot(shear);
         let number = || inertial(strain / time, self.mass, pressure / time, scene.thickness);
-        let [opened, closure, radius] = self.opened;
-        let opens = closure > 0.0 || opened > OPENS * radius;
+        let [opened, closure] = self.opened;
         Report {
             stiffness_over_pressure: grains.level(self.pressure),
             maximum_overlap_over_radius: self.overlap,
             inertial_number: (time > 0.0).then(number).flatten(),
             increment_over_elastic_strain: grains.steps(self.increment, self.pressure),
             disks_across: self.across,
-            opening_over_closure: opens.then(|| opened / closure),
+            opening_over_closure: (closure > 0.0).then(|| opened / closure),
             warnings: Vec::new(),
         }
         .with_warnings(grains.strength > 0.0, grains.are_rock(self.pressure))
@@ -139,19 +139,18 @@ pub fn follow(
     }
 }
 
-/// Gaps that the sliding of contacts opens, elastic closures of contacts and bonds, and the mean radius,
-/// all times the normal forces, J.
-fn opened(program: &ConeProgram, solution: &ConeSolution) -> [f64; 3] {
+/// Gaps that the sliding of contacts opens, and elastic closures of contacts and bonds, both times the
+/// normal forces, J.
+fn opened(program: &ConeProgram, solution: &ConeSolution) -> [f64; 2] {
     let contacts = program.interactions.iter().zip(&solution.forces);
-    let mut sums = [0.0; 3];
+    let mut sums = [0.0; 2];
     for (c, f) in contacts.filter(|(_, f)| f[0] > 0.0) {
         let m = multipliers(solution.law, c, &program.kinematics(c, &solution.displacements), f);
         let gap = c.limits.friction * m.slip.abs() + c.limits.rolling * m.rotation.abs();
         if !c.limits.has_strength() {
             sums[0] += f[0] * solution.law.dilation(c) * gap;
         }
-        sums[1] += f[0] * f[0] * c.normal_compliance;
-        sums[2] += f[0] * program.scales.length;
+        sums[1] += f[0] * (f[0] * c.normal_compliance).max(MIN_CLOSURE * program.scales.length);
     }
     sums
 }

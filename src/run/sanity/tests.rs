@@ -148,7 +148,7 @@ fn rigid_grains_that_slide_under_the_associated_law_are_told() {
             .replace("normal_stiffness: 1e6, tangential_stiffness: 1e6, ", "");
         let loaded = from_str(&text, Path::new("t.ron"), Path::new(""), &[]);
         let report = measured(&loaded.unwrap_or_else(|e| panic!("{e}")).scene);
-        report.warnings.iter().any(|warning| warning.contains("rigid ones never close them"))
+        report.warnings.iter().any(|warning| warning.contains("sliding contacts open"))
     };
     assert!(warns("Associated") && !warns("Coulomb()"));
 }

@@ -1,8 +1,8 @@
 //! Stresses that walls keep from stage to stage, on the distance of two walls: both must stay.
 
 use clastic_components::body::BodyId;
-use clastic_components::wall::WallName;
-use clastic_systems::wall_states::{ControlState, ControlStates, LengthState, WALL_CONTROL};
+use clastic_components::wall::{WallControl, WallName};
+use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use crate::scene::StoredSpecimen;
 use crate::scene::format::Load;
@@ -28,8 +28,8 @@ pub(super) fn inherited(specimen: Option<&StoredSpecimen>) -> Vec<Carried> {
     let name = |id: BodyId| {
         names.iter().find(|(other, _)| *other == id).map(|(_, WallName(name))| name.clone())
     };
-    let carried = |(id, control): (BodyId, ControlState)| match control {
-        ControlState::Stress(_, _, LengthState::Between(Some(a), Some(b))) => {
+    let carried = |(id, control, between): (_, _, [_; 2])| match (control, between) {
+        (WallControl::Stress { .. }, [Some(a), Some(b)]) => {
             Some(Carried { wall: name(id)?, between: (name(a)?, name(b)?) })
         }
         _ => None,

@@ -1,4 +1,4 @@
-//! Version, analysis, solver and acceptance.
+//! Version, named values, analysis, solver and acceptance.
 
 use clastic_components::domain;
 
@@ -14,6 +14,9 @@ pub(super) fn check(at: &mut At) {
     if scene.version != VERSION {
         let message = format!("unknown version ({})", scene.version);
         at.add("version", message, format!("this build reads version {VERSION}"));
+    }
+    for (name, value) in &scene.values {
+        at.entry("let", name).finite("", *value, "a number");
     }
     at.within("thickness", scene.thickness, domain::THICKNESS);
     at.vector("gravity", scene.gravity, domain::GRAVITY.what);
