@@ -42,6 +42,12 @@ impl AnalysisKind {
         }
     }
 
+    /// Theta of a time step; `None` where no time passes.
+    #[must_use]
+    pub fn theta_of_step(self) -> Option<f64> {
+        self.dt().map(|_| self.theta())
+    }
+
     /// Time step, s, where time passes.
     #[must_use]
     pub fn dt(self) -> Option<f64> {

@@ -284,13 +284,19 @@ impl BodyTable {
     pub fn load_on_group(&self, group: &GroupRow, part: f64, gravity: DVec2) -> [f64; 3] {
         let mut sum = group.loads.map(|ramp| ramp.at(part));
         for i in self.particles_of(group) {
-            let [x, y, moment] = self.loads[i].map(|ramp| ramp.at(part));
-            let force = DVec2::new(x, y) + self.masses[i] * gravity;
+            let force = self.force_on(i, part, gravity);
             sum[0] += force.x;
             sum[1] += force.y;
-            sum[2] += moment + self.lever(group, i).perp_dot(force);
+            sum[2] += self.loads[i][2].at(part) + self.lever(group, i).perp_dot(force);
         }
         sum
+    }
+
+    /// Weight and load of particle `i` at a part of the increment, N.
+    #[must_use]
+    pub fn force_on(&self, i: usize, part: f64, gravity: DVec2) -> DVec2 {
+        let [x, y, _] = self.loads[i].map(|ramp| ramp.at(part));
+        DVec2::new(x, y) + self.masses[i] * gravity
     }
 
     /// The periodic cell after the displacement of its body (m, m, rad).

@@ -12,16 +12,22 @@ use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::AddedLoad;
 use clastic_components::wall::WallDrive;
-use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
+use clastic_cone::program::{ConeProgram, Dof, FreeDof, ProgramBody};
 
-use super::{Settings, Trial, cell};
+use super::groups::{Turning, turning};
+use super::{Found, Settings, Trial, cell};
 
 /// A body that does not move.
 const STILL: ProgramBody = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };
 
 /// Fills the bodies of the program, one per row.
-pub(super) fn assemble(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
-    let rows = Rows::new(trial, settings, &program.interactions);
+pub(super) fn assemble(
+    trial: &Trial,
+    settings: &Settings,
+    found: &Found,
+    program: &mut ConeProgram,
+) {
+    let rows = Rows::new(trial, settings, found, program);
     let bodies = rows.bodies;
     let out = &mut program.bodies;
     out.clear();
@@ -48,14 +54,21 @@ pub(super) struct Rows<'a> {
     /// Whether interactions act on the (translation, rotation) of a body.
     touched: Vec<(bool, bool)>,
     affine: Affine,
+    /// The rigid groups in statics.
+    pub turning: Vec<Turning<'a>>,
 }
 
 impl<'a> Rows<'a> {
-    fn new(trial: &'a Trial, settings: &'a Settings, interactions: &[Interaction]) -> Self {
-        let Trial { bodies, loads, progress, .. } = trial;
+    fn new(
+        trial: &'a Trial,
+        settings: &'a Settings,
+        found: &'a Found,
+        program: &ConeProgram,
+    ) -> Self {
+        let Trial { bodies, contacts, loads, progress, .. } = trial;
         let analysis = &settings.analysis;
         let mut touched = vec![(false, false); bodies.positions.len()];
-        for c in interactions {
+        for c in &program.interactions {
             let turns = c.limits.has_shear() || c.limits.has_rolling();
             for (body, normal_arm) in [(c.a, c.normal_arm_a), (c.b, c.normal_arm_b)] {
                 let t = &mut touched[body as usize];
@@ -63,8 +76,17 @@ impl<'a> Rows<'a> {
             }
         }
         let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies) };
-        let affine = Affine::of(bodies, analysis, progress.fraction);
-        Self { bodies, analysis, progress, added, touched, affine }
+        let (gravity, fraction) = (analysis.gravity, progress.fraction);
+        let guess = &found.corrections.guesses.last;
+        Self {
+            bodies,
+            analysis,
+            progress,
+            added,
+            touched,
+            affine: Affine::of(bodies, analysis, fraction),
+            turning: turning(bodies, contacts, program, fraction, gravity, guess),
+        }
     }
 
     /// Loads of an embedding program on a body.
@@ -81,7 +103,9 @@ impl<'a> Rows<'a> {
     /// its load.
     pub fn undriven(&self, row: usize, k: usize, free: FreeDof) -> Dof {
         let acted = if k < 2 { self.touched[row].0 } else { self.touched[row].1 };
-        if acted || (free.inertia == 0.0 && free.load != 0.0) {
+        // In statics an inertia is a stiffness, and a step of a followed motion adds to it.
+        let is_held = free.inertia > 0.0 && self.analysis.kind != AnalysisKind::Static;
+        if acted || (!is_held && free.load != 0.0) {
             Dof::Free(free)
         } else if free.inertia > 0.0 {
             Dof::Fixed(free.load / free.inertia)

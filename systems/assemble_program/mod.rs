@@ -88,11 +88,11 @@ pub fn balance_bodies(
     mut program: ResMut<ConeProgram>,
 ) {
     let Trial { bodies, contacts, history, attempt, .. } = &trial;
-    balance::assemble(&trial, &settings, &mut program);
+    balance::assemble(&trial, &settings, &found, &mut program);
     if known_pairs::leave_out(bodies, &contacts.0, &mut program) {
         // The bodies of these contacts may have no other interaction, and then their motion is
         // known.
-        balance::assemble(&trial, &settings, &mut program);
+        balance::assemble(&trial, &settings, &found, &mut program);
     }
     if settings.analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
         cell::hold_one(bodies, &history.0, &mut program);
@@ -123,7 +123,6 @@ pub fn assemble_interactions(
     }
     cell::set_images(bodies, interactions);
     turning::carry(&trial, &found, interactions);
-    let keeps_energy = settings.analysis.kind.theta() < 1.0;
-    let guess = if keeps_energy { &found.corrections.guesses.last[..] } else { &[] };
-    groups::join(bodies, guess, interactions);
+    let guess = &found.corrections.guesses.last;
+    groups::join(bodies, settings.analysis.kind.theta_of_step(), guess, interactions);
 }

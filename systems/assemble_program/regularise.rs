@@ -78,7 +78,10 @@ pub(super) fn regularise(
     let length = program.scales.length;
     for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| regularised[*i]) {
         for (k, dof) in body.dofs.iter_mut().enumerate() {
-            if let Dof::Free(free) = dof {
+            // An inertia in statics is a stiffness, which determines the displacement.
+            if let Dof::Free(free) = dof
+                && free.inertia == 0.0
+            {
                 free.proximal = if k < 2 { weight } else { weight * length * length };
                 free.reference = centre.place.get(i).map_or(0.0, |c| c[k]);
             }

@@ -27,7 +27,8 @@ pub(super) fn estimate(trial: &Trial, settings: &Settings, program: &ConeProgram
     let determined = determined_force(program, interactions, displacement);
     let remembered = trial.history.0.sizes(length).map(|(.., size)| size).fold(0.0, f64::max);
     let remembered = remembered.min(determined);
-    let force = force(remembered, program, interactions, displacement);
+    let is_driven = maximum_imposed(bodies) > 0.0;
+    let force = force(remembered, program, interactions, displacement, is_driven);
     match trial.attempt.magnitudes {
         // The magnitudes of a failed attempt are used unless they are round-off, or so large that
         // they would hide all errors because the solver diverged.
@@ -129,6 +130,7 @@ fn force(
     program: &ConeProgram,
     interactions: &[Interaction],
     displacement: f64,
+    is_driven: bool,
 ) -> f64 {
     let loads = maximum_load(program);
     let inertial = free_translations(program).map(|f| f.inertia * displacement).fold(0.0, f64::max);
@@ -141,7 +143,10 @@ fn force(
         if c.normal_compliance > 0.0 {
             elastic = elastic.min(0.1 * displacement / c.normal_compliance);
         }
-        strength = strength.max(c.limits.cohesion).max(c.limits.tension);
+        // Without an imposed motion the loads tell the forces of rigid bonds of any strength.
+        if is_driven {
+            strength = strength.max(c.limits.cohesion).max(c.limits.tension);
+        }
     }
     let driven = elastic.min(if strength > 0.0 { strength } else { f64::INFINITY });
     match (expected > 0.0, driven.is_finite()) {

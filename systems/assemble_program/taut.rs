@@ -1,35 +1,47 @@
-//! Geometric stiffness of taut bonds.
+//! Geometric stiffness of taut bonds and of concave walls.
 //!
 //! A bond with tension T and length L pulls back a grain that swings about the other end, with the
-//! stiffness T/L, like a string. Constant normals lack this stiffness: a grain that nothing else holds
-//! would swing far past its position of rest, and back again in the next increment. Every taut bond of
-//! a static program therefore has a tie along its tangent. The compliance of the tie is L/T, and its
-//! force is at most that of the bond. It represents the force of the bond itself, turned by the motion,
-//! and is no error of the balance. The term of a compressed pair is negative, destabilises a grain, and
-//! cannot be part of a convex program. Followed motions cover this case.
+//! stiffness T/L, like a string. So does the pressure T of a concave arc on a grain inside, whose centre
+//! is at the distance L from that of the arc. Constant normals lack this stiffness: a grain that nothing
+//! else holds would swing far past its position of rest, and back again in the next increment. Each such
+//! contact of a static program therefore has a tie along its tangent. The compliance of the tie is L/T,
+//! and its force is at most T. It represents the normal force itself, turned by the motion, and is no
+//! error of the balance. The term of other contacts is negative, destabilises a grain, and cannot be part
+//! of a convex program. Followed motions cover this case. Rigid groups have their own
+//! [stiffness](super::groups::stiffnesses).
 
+use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::AnalysisKind;
+use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Interaction, Limits};
+use glam::DVec2;
 
 use super::{Found, Settings, Trial};
 use crate::solved::Solved;
 
-/// Elongation over the length of a bond below which it counts as slack.
+/// Elongation over the length below which an elastic contact counts as slack.
 const MIN_ELONGATION: f64 = 1e-9;
 
-/// Tension of an elastic bond that counts, N: its elongation does not tell it, because a bond that has
-/// turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
-/// of its grain stretches it. The tension of a rigid bond is not unique.
-fn tension(bond: &Interaction, tension: f64) -> f64 {
-    let elongation = tension * bond.normal_compliance;
-    if elongation > MIN_ELONGATION * (bond.arm_a + bond.arm_b) {
-        tension.min(bond.limits.tension)
+/// The force, N, that pulls a grain back which moves along the tangent of a contact, and the length, m, on
+/// which it swings. `tension` is that of the last solution: the gap does not tell it, because a bond that
+/// has turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
+/// of its grain stretches it.
+fn pull(bodies: &BodyTable, contact: &Contact, c: &Interaction, tension: f64) -> Option<[f64; 2]> {
+    let (force, length) = if (contact.b as usize) < bodies.particles {
+        (tension.min(c.limits.tension), c.arm_a + c.arm_b)
     } else {
-        0.0
-    }
+        let to_wall = bodies.positions[contact.b as usize] - bodies.positions[contact.a as usize];
+        match bodies.wall(contact.b)?.nearest(to_wall, DVec2::ZERO).curve {
+            Curve::Hollow(centre) => (-tension, (to_wall + centre).length()),
+            Curve::Flat | Curve::Round(_) => return None,
+        }
+    };
+    let is_rigid = c.normal_compliance == 0.0;
+    let counts = is_rigid || force * c.normal_compliance > MIN_ELONGATION * length;
+    (force > 0.0 && length > 0.0 && counts).then_some([force, length])
 }
 
-/// Appends the ties of taut bonds.
+/// Appends the ties.
 pub(super) fn assemble(
     trial: &Trial,
     settings: &Settings,
@@ -41,21 +53,17 @@ pub(super) fn assemble(
     }
     let ConeProgram { interactions, last_forces, .. } = program;
     for (k, contact) in trial.contacts.0.iter().enumerate() {
-        let bond = interactions[k];
-        // A wall has no centre about which a grain could swing.
-        if contact.b as usize >= trial.bodies.particles {
-            continue;
-        }
+        let c = interactions[k];
         let guess = found.corrections.of((contact.a, contact.b));
-        let tension = tension(&bond, guess.map_or(-last_forces[k][0], |guess| guess.tension));
-        if tension > 0.0 {
+        let tension = guess.map_or(-last_forces[k][0], |guess| guess.tension);
+        if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension) {
             interactions.push(Interaction {
-                normal: bond.normal.perp(),
+                normal: c.normal.perp(),
                 offset: guess.map_or(0.0, |guess| guess.tie),
-                normal_compliance: (bond.arm_a + bond.arm_b) / tension,
+                normal_compliance: length / tension,
                 limits: Limits { tension, ..Limits::default() },
-                image: bond.image,
-                ..Interaction::between(bond.a, bond.b)
+                image: c.image,
+                ..Interaction::between(c.a, c.b)
             });
         }
     }

@@ -76,12 +76,14 @@ pub fn judge(
         }
         SolveStatus::Stalled => Verdict::Unconverged(complaint(&attempt.best, solution.tolerance)),
     };
-    let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
+    let fails =
+        matches!(attempt.verdict, Verdict::Impossible | Verdict::Locked | Verdict::Unconverged(_));
     let in_pass = fails && corrections.passes > 0;
     if in_pass {
         // A guess of the end proves nothing.
         let why = match std::mem::take(&mut attempt.verdict) {
             Verdict::Unconverged(why) => why,
+            Verdict::Locked => "in one of them rigid bodies have no feasible motion".to_owned(),
             _ => "one of them has no equilibrium".to_owned(),
         };
         attempt.verdict = ending::fail(&mut corrections, &why);

@@ -3,6 +3,7 @@
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::findings::Corrections;
 use clastic_cone::program::Interaction;
+use glam::DVec2;
 
 use crate::ending::geometry::Increment;
 use crate::solved::Solved;
@@ -12,7 +13,9 @@ use crate::solved::Solved;
 pub(super) fn follow_slip(solved: Solved, corrections: &Corrections, history: &mut ContactHistory) {
     let is_spring = |c: &Interaction| c.limits.has_strength() && c.tangential_compliance > 0.0;
     let springs: Vec<bool> = solved.program.interactions.iter().map(is_spring).collect();
-    let misfits = Increment { solved, theta: None }.ending(corrections, &springs).misfits;
+    let misfits = Increment { solved, theta: None, fraction: 1.0, gravity: DVec2::ZERO }
+        .ending(corrections, &springs)
+        .misfits;
     for ((contact, c, f), [_, slip]) in solved.contacts().zip(misfits) {
         let memory = history.0.binary_search_by_key(&(contact.a, contact.b), |m| (m.a, m.b));
         if let Ok(memory) = memory

@@ -252,14 +252,15 @@ impl ConeProgram {
     }
 
     /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,
-    /// so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
+    /// with the weight of a regularisation beside the inertia, so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
     /// then appears in the displacements, of which the residuals are computed.
     pub fn displacements_from_forces(&self, solution: &mut ConeSolution) {
         let mut rows = vec![[0.0; 3]; self.bodies.len()];
         self.add_forces(&solution.forces, &mut rows);
         for ((body, row), u) in self.bodies.iter().zip(&rows).zip(&mut solution.displacements) {
             for (k, free) in body.free().filter(|(_, free)| free.inertia > 0.0) {
-                u[k] = (free.load - row[k]) / free.inertia;
+                let pull = free.proximal * free.reference;
+                u[k] = (free.load + pull - row[k]) / (free.inertia + free.proximal);
             }
         }
     }

@@ -16,6 +16,7 @@
 
 use glam::DVec2;
 
+use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::findings::{Correction, Corrections};
 use clastic_components::rigid_group::GroupRow;
@@ -23,7 +24,8 @@ use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Interaction};
 
-use crate::assemble_program::{groups, taut};
+use crate::assemble_program::groups::{self, Turning};
+use crate::assemble_program::taut;
 use crate::moved::Moved;
 use crate::solved::{Solved, SolvedContact};
 
@@ -33,6 +35,10 @@ pub struct Increment<'a> {
     pub solved: Solved<'a>,
     /// Theta of a time step; `None` in static analysis.
     pub theta: Option<f64>,
+    /// Part of the increment that was solved.
+    pub fraction: f64,
+    /// Gravity, m/s^2.
+    pub gravity: DVec2,
 }
 
 /// What the geometry at the end changes about a solution.
@@ -41,7 +47,8 @@ pub struct Ending {
     pub loads: Vec<[f64; 3]>,
     /// Closing and slip beyond those of the program, m, by interaction.
     pub misfits: Vec<[f64; 2]>,
-    /// Maximum out-of-balance force of a particle or rigid group, held ones included, N.
+    /// Maximum out-of-balance force of a particle or rigid group, held ones included, N. The moment on a
+    /// group in statics counts as a force at its [extent](GroupRow::extent).
     pub imbalance: f64,
     /// Work that elastic contacts do in a time step beside what they store, J.
     pub by_closing: f64,
@@ -72,7 +79,7 @@ impl Increment<'_> {
     /// The program has the geometry of `corrections`.
     pub fn ending(&self, corrections: &Corrections, counts: &[bool]) -> Ending {
         let Solved { bodies, program, solution, .. } = self.solved;
-        let u = &solution.displacements;
+        let (u, guess) = (&solution.displacements, &corrections.guesses.last);
         let end = Moved::by(self.solved, u, 1.0).positions;
         let mut loads = vec![[0.0; 3]; program.bodies.len()];
         let mut all = loads.clone();
@@ -82,7 +89,6 @@ impl Increment<'_> {
             if !counts[k] {
                 continue;
             }
-            let guess = &corrections.guesses.last;
             let Some((exact, moved)) = self.exact(contact, c, u, &end, guess) else { continue };
             let dilates = solution.law.dilation(c) > 0.0 && c.limits.slides(f);
             if let Some(closing) = self.closing(contact, c, &exact)
@@ -110,27 +116,73 @@ impl Increment<'_> {
             let half = 0.5 * (exact.gaps[0] - old.map_or(contact.gap, |o| o.gap));
             let by_turn = f[0] * (exact.normal - c.normal) + f[1] * along;
             let by_misfit = answer[0] * exact.normal + answer[1] * exact.normal.perp();
-            for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
+            let force = f[0] * c.normal + f[1] * c.normal.perp();
+            for (body, member, sign) in [(c.a, contact.a, -1.0), (c.b, contact.b, 1.0)] {
                 let row = body as usize;
-                let is_particle = row < bodies.particles;
-                let moment = if is_particle { -half * f[1] } else { 0.0 };
-                add(program, &mut loads, row, -sign * by_turn, moment);
-                add(program, &mut all, row, -sign * (by_turn + by_misfit), moment);
+                let moment = |by: DVec2| match self.levers(member as usize, u, guess) {
+                    Some([old, new]) => sign * (new.perp_dot(by) + (new - old).perp_dot(force)),
+                    None if row < bodies.particles => -half * f[1],
+                    None => 0.0,
+                };
+                add(program, &mut loads, row, sign * by_turn, moment(by_turn));
+                let by = by_turn + by_misfit;
+                add(program, &mut all, row, sign * by, moment(by));
             }
         }
         // A tie represents the turned force of its bond.
-        for (_, tie) in taut::ties(self.solved) {
+        for (k, tie) in taut::ties(self.solved) {
             let (c, f) = (&program.interactions[tie], &solution.forces[tie]);
-            for (body, sign) in [(c.a, 1.0), (c.b, -1.0)] {
-                add(program, &mut loads, body as usize, sign * f[0] * c.normal, 0.0);
-                add(program, &mut all, body as usize, sign * f[0] * c.normal, 0.0);
+            let Contact { a, b, .. } = self.solved.contacts.0[k];
+            for (body, member, sign) in [(c.a, a, 1.0), (c.b, b, -1.0)] {
+                let force = sign * f[0] * c.normal;
+                let lever = self.levers(member as usize, u, guess).map_or(DVec2::ZERO, |l| l[0]);
+                for sums in [&mut loads, &mut all] {
+                    add(program, sums, body as usize, force, lever.perp_dot(force));
+                }
             }
+        }
+        for (row, moment) in self.turned_loads(u, guess) {
+            loads[row][2] += moment;
+            all[row][2] += moment;
         }
         // The force on a wall is the sum of many, so that it would hide what is wrong at one of them.
         let is_wall = |row: usize| bodies.wall(row as u32).is_some();
         let forces = all.iter().enumerate().filter(|(row, _)| !is_wall(*row));
-        let imbalance = forces.map(|(_, r)| r[0].hypot(r[1])).fold(0.0, f64::max);
+        let size = |(row, r): (usize, &[f64; 3])| {
+            let force = r[0].hypot(r[1]);
+            match bodies.group_at(row).filter(|_| self.theta.is_none()) {
+                Some(group) if group.extent > 0.0 => force.max(r[2].abs() / group.extent),
+                _ => force,
+            }
+        };
+        let imbalance = forces.map(size).fold(0.0, f64::max);
         Ending { loads, misfits, imbalance, by_closing }
+    }
+
+    /// Levers of a particle in a rigid group in statics: of the program, and at the end.
+    fn levers(&self, member: usize, u: &[[f64; 3]], guess: &[[f64; 3]]) -> Option<[DVec2; 2]> {
+        let bodies = self.solved.bodies;
+        let group = bodies.group(member).filter(|_| member < bodies.particles)?;
+        let lever = |of| groups::lever(bodies, group, member, None, of);
+        self.theta.is_none().then(|| [lever(guess), lever(u)])
+    }
+
+    /// What the loads on the members of each rigid group that turns in statics change about its moment
+    /// from the program to the end, N m, by row.
+    fn turned_loads(&self, u: &[[f64; 3]], guess: &[[f64; 3]]) -> Vec<(usize, f64)> {
+        let Self { solved: Solved { bodies, contacts, program, .. }, fraction, gravity, theta } =
+            *self;
+        if theta.is_some() {
+            return Vec::new();
+        }
+        let all = groups::turning(bodies, contacts, program, fraction, gravity, guess);
+        let is_free = |group: &GroupRow| bodies.group_drive(group, 2) == BodyDrive::Free;
+        let moment = |turning: Turning| {
+            let (group, row) = (turning.group, turning.group.body as usize);
+            let lost = groups::lost_at(bodies, group, fraction, gravity, u[row][2]);
+            (row, turning.lost_at(u[row][2]) - lost)
+        };
+        all.into_iter().filter(|turning| is_free(turning.group)).map(moment).collect()
     }
 
     /// The mean force of an elastic contact over a time step in which it touches.
@@ -199,11 +251,10 @@ impl Increment<'_> {
             of_wall(bodies, contact, way, theta.is_some())
         }?;
         if is_grouped {
-            let guess = if theta.is_some_and(|theta| theta < 1.0) { guess } else { &[] };
             let linear = |i: usize| -> DVec2 {
                 let Some(group) = bodies.group(i) else { return end[i] - bodies.positions[i] };
                 let u = u[group.body as usize];
-                let lever = groups::lever(bodies, group, i, guess);
+                let lever = groups::lever(bodies, group, i, theta, guess);
                 let [x, y, _] = GroupRow::carried_linearly(u, lever);
                 DVec2::new(x, y)
             };

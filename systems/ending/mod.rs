@@ -33,10 +33,10 @@ use bevy_ecs::system::SystemParam;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::contact::WallRow;
 use clastic_components::findings::{Corrections, Guesses};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
+use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall_shape::WallShape;
 use clastic_cone::condensed::response::LinearResponse;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, ProgramBody};
 use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
@@ -77,6 +77,7 @@ pub struct Stiffness(LinearResponse);
 pub struct Tables<'w> {
     acceptance: Res<'w, Acceptance>,
     analysis: Res<'w, ClasticAnalysis>,
+    progress: Res<'w, ClasticProgress>,
     solved: SolvedTables<'w>,
 }
 
@@ -105,7 +106,7 @@ pub fn judge(
     if !tables.is_guided() || state.capped || has_stayed {
         return;
     }
-    let motion = Motion::of(program, solution, &counts, bodies.mean_radius);
+    let motion = Motion::of(solved, &counts, is_static);
     let is_elastic = is_elastic(program, solution, &counts);
     let (idle, growth) = if is_elastic || !is_static {
         motion.idle(program, solution, &ending, &state.guesses, &mut stiffness)
@@ -190,7 +191,8 @@ impl Tables<'_> {
             }
             AnalysisKind::Compaction { .. } => return None,
         };
-        Some(Increment { solved: self.solved.get(), theta })
+        let (fraction, gravity) = (self.progress.fraction, self.analysis.gravity);
+        Some(Increment { solved: self.solved.get(), theta, fraction, gravity })
     }
 
     /// Which interactions the end is judged by: those that carry load, and in time steps all bonds. In
@@ -243,7 +245,7 @@ impl Tables<'_> {
         let mut all = program.interactions.iter();
         all.any(|c| {
             let (is_bond, is_spring) = (c.limits.has_strength(), c.normal_compliance > 0.0);
-            if keeps_energy { is_bond || is_spring } else { is_bond && is_spring }
+            if keeps_energy { is_bond || is_spring } else { is_bond && (is_spring || is_static) }
         }) || !bodies.groups.is_empty()
             || bodies.walls.iter().any(guides)
     }
@@ -261,14 +263,21 @@ struct Motion {
 }
 
 impl Motion {
-    fn of(program: &ConeProgram, solution: &ConeSolution, counts: &[bool], radius: f64) -> Self {
-        let mut loaded = vec![false; program.bodies.len()];
+    fn of(
+        Solved { bodies, program, solution, .. }: Solved,
+        counts: &[bool],
+        is_static: bool,
+    ) -> Self {
+        // In statics a rigid group that its weight turns back has an inertia.
+        let has_inertia = |body: &ProgramBody| body.free().any(|(_, free)| free.inertia > 0.0);
+        let is_turned = |body| is_static && has_inertia(body);
+        let mut loaded: Vec<bool> = program.bodies.iter().map(is_turned).collect();
         for (c, counts) in program.interactions.iter().zip(counts) {
             if *counts {
                 (loaded[c.a as usize], loaded[c.b as usize]) = (true, true);
             }
         }
-        let mut motion = Self { loaded, own: Vec::new(), radius };
+        let mut motion = Self { loaded, own: Vec::new(), radius: bodies.mean_radius };
         motion.own = motion.of_loaded(&solution.displacements);
         motion
     }

@@ -9,7 +9,9 @@ use clastic_components::energy::{Energies, MotionEnergies};
 use clastic_components::increment::ClasticProgress;
 use clastic_cone::program::Dof;
 
+use super::dynamic::turned_work;
 use super::interactions::{Before, Tables, book};
+use crate::assemble_program::groups;
 use crate::contact_laws::Laws;
 use crate::solved::Solved;
 
@@ -54,6 +56,15 @@ pub(crate) fn book_step(
         // The loads of a step are constant.
         cell_loads: Default::default(),
     };
+    let (gravity, fraction) = (laws.analysis.gravity, tables.fraction);
+    for turning in groups::turning(bodies, solved.contacts, program, fraction, gravity, &[]) {
+        let row = turning.group.body as usize;
+        e.external += turned_work(&tables, turning.group);
+        if let Dof::Free(_) = program.bodies[row].dofs[2] {
+            let turn = solution.displacements[row][2];
+            e.external += turning.lost_at(turn) * turn;
+        }
+    }
     let is_broken = |bond| broken.iter().any(|r| r.bond == bond);
     let before = Before::of(world.resource(), world.resource());
     let stored = book(&mut e, &tables, &before, is_broken, |e, part| {

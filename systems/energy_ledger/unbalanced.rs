@@ -12,7 +12,7 @@ use super::dynamic::turned_work;
 use super::interactions::Tables;
 use super::quasi_static::Starts;
 use crate::assemble_program::cell::set_images;
-use crate::assemble_program::groups::join;
+use crate::assemble_program::groups::{self, join};
 use crate::solved::Solved;
 
 /// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
@@ -30,7 +30,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
         if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
             let mut c = [bond_of(bodies, released)];
             set_images(bodies, &mut c);
-            join(bodies, &[], &mut c);
+            join(bodies, None, &[], &mut c);
             let [c] = c;
             add(program, &c, &released.forces, &mut before);
             let d = program.kinematics(&c, &solution.displacements);
@@ -38,8 +38,14 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
         }
     }
     let mut walls = bodies.walls.iter().peekable();
-    for group in &bodies.groups {
-        let aside = turned_work(tables, group);
+    let (gravity, guess) = (tables.laws.analysis.gravity, &tables.corrections.guesses.last);
+    let turning = groups::turning(bodies, contacts, program, tables.fraction, gravity, guess);
+    for turning in &turning {
+        let row = turning.group.body as usize;
+        let turn = solution.displacements[row][2];
+        let is_free = matches!(program.bodies[row].dofs[2], Dof::Free(_));
+        let lost = if is_free { turning.lost_at(turn) } else { 0.0 };
+        let aside = turned_work(tables, turning.group) + 0.5 * lost * turn;
         e.turning += aside;
         e.external += aside;
     }
@@ -49,7 +55,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
         let u = solution.displacements[i];
         let group = bodies.group_at(i);
         if i < bodies.particles {
-            let weight = bodies.static_weight(i, tables.laws.analysis.gravity);
+            let weight = bodies.static_weight(i, gravity);
             e.gravity += weight.dot(DVec2::new(u[0], u[1]));
         }
         for k in 0..3 {
@@ -68,7 +74,10 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
                         Some(drive) => drive.load().unwrap_or_default(),
                     };
                     let grown = grown.at(tables.fraction) - grown.at(0.0);
-                    let start = if starts.is_rigid { end } else { free.load - grown };
+                    let turning =
+                        group.filter(|_| k == 2).map(|_| &turning[i - bodies.first_group()]);
+                    let lost = turning.map_or(0.0, |turning| turning.lost_at(0.0));
+                    let start = if starts.is_rigid { end } else { free.load + lost - grown };
                     e.external += 0.5 * (start + end) * u[k];
                     unbalanced += 0.5 * (start - before[i][k]) * u[k];
                 }

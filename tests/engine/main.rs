@@ -29,6 +29,7 @@ mod extension;
 mod followed_motion;
 mod gas;
 mod groups;
+mod hanging;
 mod held_bodies;
 mod hinged_walls;
 mod hopper;

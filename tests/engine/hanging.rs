@@ -1,0 +1,130 @@
+//! What hangs, or rolls in a bowl, comes to rest in statics where its centre of mass is lowest. Forces
+//! keep their directions while bodies turn: the programs have the geometric stiffness of taut bonds, of
+//! concave walls and of rigid groups. Without it all of these were "collapsed, with proof" off their place
+//! of rest.
+
+use clastic::run::{Outcome, Simulation};
+use glam::DVec2;
+
+use crate::common::*;
+
+/// Positions of disks (x, y, radius; m) at the end of their stages.
+fn at_rest(disks: &[[f64; 3]], materials: &str, walls: &str, stages: &str) -> Vec<DVec2> {
+    let list: String = disks
+        .iter()
+        .map(|[x, y, r]| format!("(position: ({x:?}, {y:?}), radius: {r:?}),"))
+        .collect();
+    let scene = parse(&format!(
+        "(version: 1, title: \"hanging\", gravity: (0.0, -9.81),
+          materials: {{ \"stone\": (density: 1000.0, {materials}) }},
+          specimen: Particles([{list}]), walls: [{walls}], stages: [{stages}])"
+    ));
+    let mut simulation = Simulation::new(&scene, None);
+    assert_eq!(simulation.run(), Outcome::Completed, "{materials} {stages}");
+    states(&mut simulation).iter().map(|disk| disk.position).collect()
+}
+
+/// Centre of mass of equal disks.
+fn centre(disks: &[DVec2]) -> DVec2 {
+    disks.iter().sum::<DVec2>() / disks.len() as f64
+}
+
+/// Places on a circle about the origin, at these angles from its lowest point, rad.
+fn around(radius: f64, angle: f64) -> [f64; 2] {
+    [radius * angle.sin(), -radius * angle.cos()]
+}
+
+const PIVOT: &str = "\"g\": (select: All, about: (0.0, 0.0), x: Held, y: Held)";
+
+/// Begins level with its pivot, and almost upright above it.
+#[test]
+fn a_rigid_group_hangs_below_its_pivot() {
+    for (disks, lowest) in [
+        ([[0.1, -0.3, 0.1], [0.3, -0.3, 0.1], [0.5, -0.3, 0.1]], 0.3 * 2f64.sqrt()),
+        ([[0.02, 0.3, 0.1], [0.02, 0.5, 0.1], [0.02, 0.7, 0.1]], 0.02f64.hypot(0.5)),
+    ] {
+        for increments in [1, 3, 10] {
+            let stage =
+                format!("Load(name: \"rest\", increments: {increments}, rigid: {{ {PIVOT} }})");
+            let found = centre(&at_rest(&disks, "contact: (friction: 0.5)", "", &stage));
+            assert_within(found.x, 0.0, 1e-9);
+            assert_within(found.y, -lowest, 1e-9);
+        }
+    }
+}
+
+/// A force H on the lower of two disks of the weight W, at the distances a and b from the pivot:
+/// `tan(angle) = H b/(W (a + b))`.
+#[test]
+fn a_load_across_turns_a_hanging_group_by_the_ratio_of_the_moments() {
+    let force = std::f64::consts::PI * 0.01 * 1000.0 * 9.81;
+    for increments in [1, 3, 10] {
+        let stages = format!(
+            "Load(name: \"rest\", increments: 1, rigid: {{ {PIVOT} }}),
+             Load(name: \"push\", increments: {increments}, particles: [
+                 (select: Index([1]), force: ({force:?}, 0.0))])"
+        );
+        let disks = [[0.0, -0.3, 0.1], [0.0, -0.5, 0.1]];
+        let found = at_rest(&disks, "contact: (friction: 0.5)", "", &stages)[1];
+        assert_within(found.x / -found.y, 0.5 / 0.8, 1e-7);
+    }
+}
+
+/// A bond is a hinge that rolls: what hangs on it has its centre of mass below the point of contact, within
+/// the out-of-balance force of 1e-3 at which passes about the end stop. The rigid bonds of the hexagon form
+/// loops, so that their forces are not unique.
+#[test]
+fn bonds_hold_what_hangs_above_its_centre_of_mass() {
+    let strong = "cohesion: 1.0e8, tensile_strength: 1.0e8";
+    let elastic = format!("normal_stiffness: 1.0e9, tangential_stiffness: 1.0e9, {strong}");
+    let [x, y] = around(0.2, 0.9);
+    let chain: Vec<[f64; 2]> = (1..7).map(|k| around(0.2 * f64::from(k), 0.8)).collect();
+    let (middle, turn) = (DVec2::new(x, y) + DVec2::from(around(0.2, 0.3)), 0.3);
+    let corner =
+        |k: i32| middle - DVec2::from(around(0.2, turn + f64::from(k) * 60f64.to_radians()));
+    let hexagon = [middle].into_iter().chain((1..6).map(corner)).map(|place| place.to_array());
+    let hexagon: Vec<[f64; 2]> = [[x, y]].into_iter().chain(hexagon).collect();
+    let along = |k: f64| [x + 0.2 * k * 0.3f64.cos(), y + 0.2 * k * 0.3f64.sin()];
+    let bar = vec![[x, y], along(1.0), along(2.0)];
+    let group = "rigid: {\"bar\": (select: Index([1, 2, 3]))}";
+    for (name, hung, extra) in [("chain", chain, ""), ("hexagon", hexagon, ""), ("bar", bar, group)]
+    {
+        for (bond, increments) in [strong, &elastic].into_iter().flat_map(|b| [(b, 1), (b, 10)]) {
+            let disks: Vec<[f64; 3]> =
+                [[0.0, 0.0]].iter().chain(&hung).map(|[x, y]| [*x, *y, 0.1]).collect();
+            let stages = format!(
+                "Cement(name: \"bond\", length: 1.0e-6),
+                 Load(name: \"hang\", increments: {increments}, {extra}
+                     particles: [(select: Index([0]), x: Held, y: Held, rotation: Held)])"
+            );
+            let materials = format!("contact: (friction: 0.5), bond: ({bond})");
+            let found = at_rest(&disks, &materials, "", &stages);
+            let links = if name == "chain" { found.len() - 1 } else { 1 };
+            for k in 0..links {
+                let contact = 0.5 * (found[k] + found[k + 1]);
+                let off = centre(&found[k + 1..]).x - contact.x;
+                assert!(off.abs() < 1e-4, "{name} {bond} {increments}: {off:e} at link {k}");
+            }
+        }
+    }
+}
+
+/// Disks without friction, of masses m_1 and m_2, have their common centre of mass below the middle of the
+/// bowl.
+#[test]
+fn smooth_disks_rest_at_the_bottom_of_a_bowl() {
+    let bowl = "start: (-1.0, 0.0), end: (1.0, 0.0), shape: Arc(through: (0.0, -1.0))";
+    let ([x, y], [u, v]) = (around(0.9, 0.7), around(0.95, 0.3));
+    for contact in ["friction: 0.0", "normal_stiffness: 1.0e7, friction: 0.0"] {
+        for increments in [1, 3, 10] {
+            let stage = format!("Load(name: \"rest\", increments: {increments})");
+            let wall = format!("(name: \"bowl\", {bowl}, contact: ({contact}))");
+            let materials = format!("contact: ({contact})");
+            let one = at_rest(&[[x, y, 0.1]], &materials, &wall, &stage);
+            assert_within(one[0].x, 0.0, 1e-7);
+            let two = at_rest(&[[x, y, 0.1], [u, v, 0.05]], &materials, &wall, &stage);
+            assert_within(0.8 * two[0].x + 0.2 * two[1].x, 0.0, 1e-7);
+            assert!(two[0].x * two[1].x < 0.0, "{two:?}");
+        }
+    }
+}
