@@ -17,7 +17,6 @@ use super::exit::{Exit, Failure, complain, say};
 use super::own_findings::own_findings;
 use super::run::to_the_end;
 
-/// Resumes a run.
 pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
     let is_changed = !args.sets.is_empty() || args.scene.is_some();

@@ -46,7 +46,7 @@ pub const FRAME_END: &str = "end.npz";
 const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];
 
 /// Frames of moments that have no number.
-const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];
+pub(super) const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];
 
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
 #[must_use]

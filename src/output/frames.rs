@@ -39,8 +39,7 @@ pub(super) struct Particles<'w, 's> {
 }
 
 impl Particles<'_, '_> {
-    /// Writes the particles of a frame as CSV.
-    pub(super) fn write(&self, path: &Path) -> Result<(), OutputError> {
+    fn write(&self, path: &Path) -> Result<(), OutputError> {
         let mut text = COLUMNS.join(",") + "\n";
         let bodies = &*self.bodies;
         for (i, x) in bodies.positions.iter().take(bodies.particles).enumerate() {
@@ -91,7 +90,6 @@ pub(super) fn write_wanted(
     Ok(())
 }
 
-/// Writes the particles at the end.
 pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError> {
     let write = |particles: Particles, run: Res<RunDirectory>| {
         particles.write(&run.path(directory::FINAL_PARTICLES))
@@ -146,12 +144,10 @@ pub(super) fn write_start(
 
 /// Writes the frame of the peak so far, unless it is on the disk.
 pub(super) fn write_peak(world: &mut World) -> Result<(), OutputError> {
-    let peak = world.get_resource_mut::<FrameMoments>().and_then(|mut frames| frames.peak.take());
-    let Some(frame) = peak else { return Ok(()) };
+    let Some(frame) = world.resource_mut::<FrameMoments>().peak.take() else { return Ok(()) };
     write(&mut world.resource_mut(), directory::FRAME_PEAK, &frame)
 }
 
-/// Writes the frame of the end.
 pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
     if !ARE_ARRAYS {
         return Ok(());
@@ -167,16 +163,9 @@ fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), Output
     Ok(())
 }
 
-/// Frames of a run that is resumed after `increment` which it does not write again.
-pub(super) fn kept(directory: &Path, increment: u64, has_begun: bool) -> Vec<&'static str> {
-    let mut kept = Vec::new();
-    if has_begun {
-        kept.push(directory::FRAME_START);
-    }
-    // A run that was killed between the frame and its checkpoint leaves a later peak.
+/// Whether a run directory has the frame of the peak up to `increment`. A run that was killed
+/// between this frame and its checkpoint leaves a later peak.
+pub(super) fn has_peak(directory: &Path, increment: u64) -> bool {
     let peak = Frame::read(&directory.join(directory::FRAMES).join(directory::FRAME_PEAK));
-    if peak.is_ok_and(|frame| frame.increment <= increment) {
-        kept.push(directory::FRAME_PEAK);
-    }
-    kept
+    peak.is_ok_and(|frame| frame.increment <= increment)
 }

@@ -11,9 +11,8 @@ use super::found::Found;
 use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, is_last_increment, keep_last, save};
-use super::{
-    OutputError, dump, events, found, frames, history, mechanism, states, timings, wanted,
-};
+use super::wanted::{self, Wanted};
+use super::{OutputError, dump, events, found, frames, history, mechanism, states, timings};
 use crate::run::key_results::is_undecided;
 use crate::run::plugin::{BeginStage, EndStage, StageSystems};
 use crate::run::save::SavedStates;
@@ -36,6 +35,7 @@ impl Plugin for OutputPlugin {
         app.register_resource::<PreparedSpecimen>("output.specimen")
             .register_resource::<CurrentAvalanche>("output.avalanche")
             .register_resource::<Found>("output.results")
+            .init_resource::<Wanted>()
             .add_systems(
                 BeginStage,
                 prepared::take_start

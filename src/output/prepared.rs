@@ -43,13 +43,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// The specimen of a world whose tables are up to date.
-    pub(super) fn take(world: &World) -> Self {
-        Self::now(world.resource(), world.resource())
-    }
-
-    /// The specimen as it is now.
-    fn now(bodies: &BodyTable, materials: &Materials) -> Self {
+    pub(super) fn now(bodies: &BodyTable, materials: &Materials) -> Self {
         Self {
             rows: frames::specimen_rows(bodies, materials),
             cell_area: bodies.cell.as_ref().map(PeriodicCell::area),
@@ -64,7 +58,7 @@ pub(super) fn take_start(world: &mut World) {
         world.resource::<ClasticProgress>().stage == world.resource::<Script>().reference_stage();
     if is_reference && world.resource::<PreparedSpecimen>().waiting.is_some() {
         frames::FrameMoments::begin(world, false);
-        let prepared = Prepared::take(world);
+        let prepared = Prepared::now(world.resource(), world.resource());
         world.resource_mut::<PreparedSpecimen>().waiting = Some(prepared);
     }
 }
@@ -83,12 +77,12 @@ pub fn prepare(
     if let Some(before) = &specimen.waiting
         && just_compacted(&script)
         && observation.motion_steps > 0
+        && !is_cut(&script)
+        && let Some(porosity_before) = porosity::in_cell_or_box(before)
+        && let Some(porosity_after) = porosity::in_cell_or_box(&now())
+        && porosity_before - porosity_after > SETTLED
     {
-        let pair = porosity::in_cell_or_box(before).zip(porosity::in_cell_or_box(&now()));
-        let pair = pair.filter(|(before, after)| before - after > SETTLED && !is_cut(&script));
-        found.settled = pair
-            .map(|(porosity_before, porosity_after)| Settled { porosity_before, porosity_after })
-            .or(found.settled);
+        found.settled = Some(Settled { porosity_before, porosity_after });
     }
     if !is_reference {
         specimen.waiting = Some(now());
@@ -113,7 +107,7 @@ pub(super) fn write_packing(world: &mut World) -> Result<(), OutputError> {
     let Stage::Compact(stage) = &world.resource::<CurrentStage>().0 else { return Ok(()) };
     let moment = format!("at the end of the compaction `{}`", stage.name);
     let _ = world.run_system_cached(gather_bodies);
-    let packing = Prepared::take(world);
+    let packing = Prepared::now(world.resource(), world.resource());
     world.resource_scope(|world, mut run: Mut<RunDirectory>| {
         write(&mut run, &mut world.resource_mut::<PreparedSpecimen>(), &packing, moment)
     })?;

@@ -41,9 +41,7 @@ pub struct RunOptions {
 pub struct RunDirectory {
     /// Its path, the increments to dump, and the number of increments between checkpoints.
     pub(crate) options: RunOptions,
-    /// Text of the scene.
     pub(super) scene_text: String,
-    /// Facts about the run.
     pub(super) facts: RunFacts,
     /// Content of `run.json`, whole once the run has ended.
     pub(crate) record: RunRecord,
@@ -55,6 +53,8 @@ pub struct RunDirectory {
     pub(super) fresh: Vec<PathBuf>,
     /// Increment of the last checkpoint, from which a resumed run continues.
     pub(crate) saved: Option<u64>,
+    /// The checkpoint after the last increment, from which more increments or stages continue.
+    pub(super) last: Option<Checkpoint>,
     /// Seconds spent on checkpoints since the last row of the timings.
     pub(super) saving: f64,
     /// Start of the output of the last increment.
@@ -94,6 +94,7 @@ impl RunDirectory {
             tables,
             fresh: Vec::new(),
             saved: None,
+            last: None,
             saving: 0.0,
             clock: Instant::now(),
         }
@@ -104,7 +105,6 @@ impl RunDirectory {
         &self.options.directory
     }
 
-    /// Path of a file.
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.options.directory.join(name)
     }

@@ -5,16 +5,14 @@ use std::path::Path;
 use bevy_ecs::prelude::*;
 
 use clastic_components::increment::ClasticProgress;
-use clastic_systems::schedule::PROGRESS;
-use clastic_systems::state::WorldState;
 
 use super::atomic::write_atomic;
 use super::run_directory::RunDirectory;
 use super::{OutputError, directory};
 use crate::run::save::SavedStates;
-use crate::run::state::{SCRIPT, ScriptState};
+use crate::run::stages::Script;
 use crate::saved;
-use crate::scene::format::{Scene, Stage};
+use crate::scene::format::Stage;
 use crate::tables::Tables;
 
 /// Writes the states that stages have kept since the last increment. Exclusive, because it runs at
@@ -45,22 +43,13 @@ fn write(path: &Path, tables: &Tables) -> Result<(), OutputError> {
     write_atomic(path, bytes)
 }
 
-/// Files of `Save` stages that had begun in a state.
-pub fn kept_before(scene: &Scene, state: &WorldState) -> Vec<String> {
-    let progress = state.get::<ClasticProgress>(PROGRESS).map_or(0, |progress| progress.stage);
-    let begun = state.get::<ScriptState>(SCRIPT).is_ok_and(|script| script.begun);
-    let stages = scene.stages.iter().take(progress + usize::from(begun));
-    stages
-        .filter_map(|stage| match stage {
-            Stage::Save(save) => Some(save.file()),
-            _ => None,
-        })
-        .collect()
-}
-
-/// Number of increments that a run has made. A run that starts from a saved state numbers its
-/// increments from those before.
-pub fn increments(state: &WorldState) -> u64 {
-    let script = state.get::<ScriptState>(SCRIPT);
-    script.map_or(0, |script| script.ends.iter().map(|end| end.rows).sum())
+/// Files of the `Save` stages that have begun.
+pub fn kept_before(world: &World) -> Vec<String> {
+    let script = world.resource::<Script>();
+    let begun = world.resource::<ClasticProgress>().stage + usize::from(script.begun);
+    let file = |stage: &Stage| match stage {
+        Stage::Save(save) => Some(save.file()),
+        _ => None,
+    };
+    script.scene.stages.iter().take(begun).filter_map(file).collect()
 }

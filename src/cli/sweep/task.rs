@@ -42,7 +42,6 @@ fn status(directory: &Path) -> String {
 }
 
 impl Sweep {
-    /// A run of the plan.
     pub fn planned(&self, task: Task) -> &PlannedRun {
         match task {
             Task::Prepare(k) => &self.plan.preparations[k],
@@ -50,7 +49,6 @@ impl Sweep {
         }
     }
 
-    /// Directory of a run.
     pub fn directory(&self, task: Task) -> PathBuf {
         self.folder.join(&self.planned(task).directory)
     }

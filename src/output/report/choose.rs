@@ -11,16 +11,13 @@ use super::run::Run;
 /// Number of the largest ruptures whose frames are always chosen.
 const EVENTS: usize = 10;
 
-/// A file of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct File {
     /// Increment after which it was taken.
     pub increment: u64,
     /// Whether it is that of the start, the peak or the end.
     pub is_always: bool,
-    /// Whether it is that of the start.
     pub is_start: bool,
-    /// The file.
     pub path: PathBuf,
 }
 
@@ -34,8 +31,7 @@ pub fn files(directory: &Path) -> Result<Vec<File>, OutputError> {
             Some(number) => number,
             None => Frame::read(&path)?.increment,
         };
-        let always = [directory::FRAME_START, directory::FRAME_PEAK, directory::FRAME_END];
-        let is_always = path.file_name().is_some_and(|name| always.iter().any(|n| name == *n));
+        let is_always = directory::OF_MOMENTS.iter().any(|name| path.ends_with(name));
         let is_start = path.ends_with(directory::FRAME_START);
         files.push(File { increment, is_always, is_start, path });
     }

@@ -37,8 +37,9 @@ impl Columns {
         Self { before: codes, ..Self::default() }
     }
 
-    fn planes<const N: usize>(&mut self, values: impl Iterator<Item = [u8; N]> + Clone) {
-        for k in 0..N {
+    /// The lowest `width` bytes of all values.
+    fn planes(&mut self, values: impl Iterator<Item = [u8; 4]> + Clone, width: usize) {
+        for k in 0..width {
             self.bytes.extend(values.clone().map(|bytes| bytes[k]));
         }
     }
@@ -53,9 +54,7 @@ impl Columns {
             (((change << 1) ^ (change >> 31)) as u32).to_le_bytes()
         };
         let changes: Vec<_> = (0..codes.len()).map(change).collect();
-        for plane in 0..width {
-            self.bytes.extend(changes.iter().map(|bytes| bytes[plane]));
-        }
+        self.planes(changes.into_iter(), width);
         self.codes.push(codes);
     }
 
@@ -76,12 +75,12 @@ impl Columns {
 
     /// Identities and indices.
     pub fn counts(&mut self, values: &[u32]) {
-        self.planes(values.iter().map(|x| x.to_le_bytes()));
+        self.planes(values.iter().map(|x| x.to_le_bytes()), 4);
     }
 
     /// Numbers of single precision.
     pub fn numbers(&mut self, values: &[f32]) {
-        self.planes(values.iter().map(|x| x.to_le_bytes()));
+        self.planes(values.iter().map(|x| x.to_le_bytes()), 4);
     }
 
     /// Numbers that change in steps of `step`, of two or three bytes each. Not a number is a row
@@ -105,14 +104,9 @@ impl Columns {
     }
 }
 
-/// Bits of `float16`.
-fn half(x: f32, scale: f64) -> u16 {
-    f16::from_f64(f64::from(x) / scale).to_bits()
-}
-
 /// Bits of `float16` as a whole number that grows with it.
 fn ordered(x: f32, scale: f64) -> i32 {
-    let bits = i32::from(half(x, scale));
+    let bits = i32::from(f16::from_f64(f64::from(x) / scale).to_bits());
     if bits < 0x8000 { bits } else { 0x8000 - bits }
 }
 

@@ -62,7 +62,7 @@ impl Movie {
         let mut blocks = vec![still.text().0];
         let mut described = Vec::new();
         let mut before = Vec::new();
-        let mut contacts = Contacts::of(std::iter::empty(), |id| id);
+        let mut contacts = Contacts::default();
         for (k, frame) in frames.iter().enumerate() {
             let is_whole = k % KEY == 0;
             let mut columns = Columns::after(if is_whole { Vec::new() } else { before });

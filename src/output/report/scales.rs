@@ -165,26 +165,20 @@ fn quantile(values: &mut [f32], part: f64) -> f32 {
 /// The box that shows the specimen in these frames without its stray grains, and its walls up to a
 /// quarter of it beyond: left, bottom, right, top from the origin, m.
 pub fn view(frames: &[Frame], origin: [f64; 2]) -> [f64; 4] {
-    let ends = |axis: usize, sign: f64| {
-        let of_frame = |frame: &Frame| -> Vec<f64> {
-            let end = |(row, r): (usize, &f32)| {
-                frame.centre(row)[axis] - origin[axis] + sign * f64::from(*r)
-            };
-            frame.bodies.radius_m.iter().enumerate().map(end).collect()
-        };
-        frames.iter().flat_map(of_frame).collect()
+    let from = |x: [f64; 2]| DVec2::from(x) - DVec2::from(origin);
+    let rows = frames.iter().flat_map(|frame| (0..frame.bodies.id.len()).map(move |k| (frame, k)));
+    let disks = rows.map(|(frame, k)| (from(frame.centre(k)), f64::from(frame.bodies.radius_m[k])));
+    let range = |axis: usize| {
+        let ends = |sign: f64| disks.clone().map(|(x, r)| x[axis] + sign * r).collect();
+        range(ends(-1.0), ends(1.0)).unwrap_or_default()
     };
-    let range = |axis| range(ends(axis, -1.0), ends(axis, 1.0)).unwrap_or_default();
     let ([left, right], [bottom, top]) = (range(0), range(1));
     let disks = (DVec2::new(left, bottom), DVec2::new(right, top));
+    let walls = frames.iter().flat_map(|frame| (0..frame.walls.id.len()).map(move |k| (frame, k)));
     let ends = |thin: bool| -> Vec<[DVec2; 2]> {
-        let of_frame = |frame: &Frame| -> Vec<[DVec2; 2]> {
-            let walls = (0..frame.walls.id.len()).filter(|k| frame.walls.is_thin[*k] == thin);
-            let from = |x: [f64; 2]| DVec2::from(x) - DVec2::from(origin);
-            let pieces = walls.flat_map(|k| frame.wall_line(k).windows(2));
-            pieces.map(|ends| [from(ends[0]), from(ends[1])]).collect()
-        };
-        frames.iter().flat_map(of_frame).collect()
+        let walls = walls.clone().filter(|(frame, k)| frame.walls.is_thin[*k] == thin);
+        let pieces = walls.flat_map(|(frame, k)| frame.wall_line(k).windows(2));
+        pieces.map(|ends| [from(ends[0]), from(ends[1])]).collect()
     };
     let (lines, plates) = (ends(false), ends(true));
     let all = near(disks, &lines).chain(plates.iter().flatten().copied());
