@@ -39,7 +39,7 @@ pub(super) struct Particles<'w, 's> {
 }
 
 impl Particles<'_, '_> {
-    fn write(&self, path: &Path) -> Result<(), OutputError> {
+    fn text(&self) -> String {
         let mut text = COLUMNS.join(",") + "\n";
         let bodies = &*self.bodies;
         for (i, x) in bodies.positions.iter().take(bodies.particles).enumerate() {
@@ -52,7 +52,7 @@ impl Particles<'_, '_> {
                 .and(motion.map_or(DVec2::ZERO, |(_, origin)| *x - origin.0).to_array());
             text.push_str(&row.line());
         }
-        write_atomic(path, text)
+        text
     }
 }
 
@@ -82,17 +82,16 @@ pub(super) fn write_wanted(
     }
     let name = format!("frame_{:06}", observation.increment);
     let path = run.path(directory::FRAMES).join(format!("{name}.csv"));
-    particles.write(&path)?;
+    run.write(path, particles.text())?;
     if ARE_ARRAYS {
         write(&mut run, &format!("{name}.npz"), &tables.frame())?;
     }
-    run.is_fresh(path);
     Ok(())
 }
 
 pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError> {
     let write = |particles: Particles, run: Res<RunDirectory>| {
-        particles.write(&run.path(directory::FINAL_PARTICLES))
+        write_atomic(&run.path(directory::FINAL_PARTICLES), particles.text())
     };
     world.run_system_cached(write).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -158,9 +157,8 @@ pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
 
 fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), OutputError> {
     let path = run.path(directory::FRAMES).join(name);
-    write_atomic(&path, frame.encode().map_err(OutputError::at(&path))?)?;
-    run.is_fresh(path);
-    Ok(())
+    let bytes = frame.encode().map_err(OutputError::at(&path))?;
+    run.write(path, bytes)
 }
 
 /// Whether a run directory has the frame of the peak up to `increment`. A run that was killed

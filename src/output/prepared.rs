@@ -88,9 +88,10 @@ pub fn prepare(
         specimen.waiting = Some(now());
     } else if let Some(prepared) = specimen.waiting.take() {
         let stage = script.stage(script.reference_stage()).map_or("", Stage::name);
-        let moment =
-            format!("at the start of the reference stage `{stage}`, before its first increment");
-        write(&mut run, &mut specimen, &prepared, moment)?;
+        specimen.written = Some(format!(
+            "at the start of the reference stage `{stage}`, before its first increment"
+        ));
+        write(&mut run, &prepared.rows)?;
         if !script.scene.stages.iter().any(Stage::pours) {
             found.porosity = if is_cut(&script) {
                 porosity::within(&prepared.rows)
@@ -108,9 +109,8 @@ pub(super) fn write_packing(world: &mut World) -> Result<(), OutputError> {
     let moment = format!("at the end of the compaction `{}`", stage.name);
     let _ = world.run_system_cached(gather_bodies);
     let packing = Prepared::now(world.resource(), world.resource());
-    world.resource_scope(|world, mut run: Mut<RunDirectory>| {
-        write(&mut run, &mut world.resource_mut::<PreparedSpecimen>(), &packing, moment)
-    })?;
+    world.resource_mut::<PreparedSpecimen>().written = Some(moment);
+    write(&mut world.resource_mut(), &packing.rows)?;
     let script = world.resource::<Script>();
     if world.resource::<ClasticProgress>().stage >= script.reference_stage() {
         // The scene has no loading stage, so its result is the packing.
@@ -133,15 +133,9 @@ fn is_cut(script: &Script) -> bool {
     script.scene.keep.is_some() || before.into_iter().any(|s| matches!(s, Stage::Remove(_)))
 }
 
-fn write(
-    run: &mut RunDirectory,
-    specimen: &mut PreparedSpecimen,
-    prepared: &Prepared,
-    moment: String,
-) -> Result<(), OutputError> {
+fn write(run: &mut RunDirectory, rows: &[StoredParticle]) -> Result<(), OutputError> {
     let path = run.path(directory::SPECIMEN);
-    specimen.written = Some(moment);
-    atomically(&path, |temporary| specimen_file::write(temporary, &prepared.rows))?;
+    atomically(&path, |temporary| specimen_file::write(temporary, rows))?;
     run.is_fresh(path);
     Ok(())
 }

@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::OutputError;
+use super::atomic::write_atomic;
 use super::checkpoint::Checkpoint;
 use super::csv_file::CsvFile;
 use super::history::probes;
@@ -107,6 +108,17 @@ impl RunDirectory {
 
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.options.directory.join(name)
+    }
+
+    /// Writes a whole file.
+    pub(super) fn write(
+        &mut self,
+        path: PathBuf,
+        content: impl AsRef<[u8]>,
+    ) -> Result<(), OutputError> {
+        write_atomic(&path, content)?;
+        self.is_fresh(path);
+        Ok(())
     }
 
     /// Notes that a whole file was written.

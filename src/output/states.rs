@@ -1,7 +1,5 @@
 //! Systems: saved states of a run, those of its `Save` stages, and the one at its end.
 
-use std::path::Path;
-
 use bevy_ecs::prelude::*;
 
 use clastic_components::increment::ClasticProgress;
@@ -13,7 +11,6 @@ use crate::run::save::SavedStates;
 use crate::run::stages::Script;
 use crate::saved;
 use crate::scene::format::Stage;
-use crate::tables::Tables;
 
 /// Writes the states that stages have kept since the last increment. Exclusive, because it runs at
 /// the end of the output as well.
@@ -23,8 +20,8 @@ pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
     let mut run = world.resource_mut::<RunDirectory>();
     for (name, tables) in kept {
         let path = run.path(&name);
-        write(&path, &tables)?;
-        run.is_fresh(path);
+        let bytes = tables.encode().map_err(OutputError::at(&path))?;
+        run.write(path, bytes)?;
     }
     Ok(())
 }
@@ -35,12 +32,8 @@ pub fn write_final(world: &mut World) -> Result<(), OutputError> {
         return Ok(());
     }
     let path = world.resource::<RunDirectory>().path(directory::FINAL_STATE);
-    write(&path, &saved::save(world).map_err(OutputError::at(&path))?)
-}
-
-fn write(path: &Path, tables: &Tables) -> Result<(), OutputError> {
-    let bytes = tables.encode().map_err(OutputError::at(path))?;
-    write_atomic(path, bytes)
+    let tables = saved::save(world).map_err(OutputError::at(&path))?;
+    write_atomic(&path, tables.encode().map_err(OutputError::at(&path))?)
 }
 
 /// Files of the `Save` stages that have begun.

@@ -45,7 +45,7 @@ impl Columns {
     }
 
     /// A column that changes, of whole numbers that `width` bytes hold.
-    fn changing(&mut self, codes: Vec<i32>, width: usize) {
+    pub fn changing(&mut self, codes: Vec<i32>, width: usize) {
         let before = self.before.get(self.codes.len());
         let beyond = 32 - 8 * width as u32;
         let change = |k: usize| {
@@ -56,16 +56,6 @@ impl Columns {
         let changes: Vec<_> = (0..codes.len()).map(change).collect();
         self.planes(changes.into_iter(), width);
         self.codes.push(codes);
-    }
-
-    /// Bytes that change.
-    pub fn changing_bytes(&mut self, values: &[u8]) {
-        self.changing(values.iter().map(|x| i32::from(*x)).collect(), 1);
-    }
-
-    /// Identities and indices that change.
-    pub fn changing_counts(&mut self, values: &[u32]) {
-        self.changing(values.iter().map(|x| x.cast_signed()).collect(), 4);
     }
 
     /// Numbers over `scale` that change, rounded to `float16`.

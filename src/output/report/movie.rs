@@ -20,7 +20,7 @@ use crate::output::OutputError;
 use crate::output::corners::joined;
 
 /// State of a bond that is not in a frame.
-const NO_BOND: u8 = 255;
+const NO_BOND: i32 = 255;
 
 /// Frames from one that is whole to the next.
 const KEY: usize = 10;
@@ -198,8 +198,9 @@ impl Rows {
             }
         }
         let mut fragments = vec![0; n];
-        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = self.index(*id));
-        to.changing_counts(&fragments);
+        let fragment = |id: &u32| self.index(*id).cast_signed();
+        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = fragment(id));
+        to.changing(fragments, 4);
 
         let pairs = &frame.pairs;
         let mut states = vec![NO_BOND; self.bonds.len()];
@@ -207,11 +208,11 @@ impl Rows {
         for k in 0..pairs.a.len() {
             let force = [pairs.p_n[k], pairs.q_n[k], pairs.tau_nm[k]];
             if let Ok(bond) = self.bonds.binary_search(&(pairs.a[k], pairs.b[k], pairs.bond[k])) {
-                states[bond] = pairs.state[k];
+                states[bond] = pairs.state[k].into();
                 forces.iter_mut().zip(force).for_each(|(column, f)| column[bond] = f);
             }
         }
-        to.changing_bytes(&states);
+        to.changing(states, 1);
         let kinds = if scales.moment > 0.0 { 3 } else { 2 };
         let of_kind = [scales.force, scales.force, scales.moment].map(scale);
         (0..kinds).for_each(|k| to.changing_halves(&forces[k], of_kind[k]));
