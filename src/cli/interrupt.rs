@@ -51,7 +51,6 @@ impl Interrupt {
         again
     }
 
-    /// Whether a stop was requested.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }

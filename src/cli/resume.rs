@@ -103,7 +103,6 @@ fn too_late(directory: &Path, sets: &[String]) -> Failure {
     Failure::new(Exit::Usage, message)
 }
 
-/// Whether the run in a directory has ended.
 fn ended(directory: &Path) -> Result<bool, Failure> {
     let record = directory::record(directory)?;
     Ok(["completed", "collapsed"].map(Some).contains(&record["outcome"]["status"].as_str()))

@@ -162,7 +162,6 @@ fn after_collapse(script: &Script) -> Option<String> {
     })
 }
 
-/// Whether the stage of an end is dynamic.
 fn is_dynamic(script: &Script, end: &StageEnd) -> bool {
     let stage = script.scene.stages.iter().find(|stage| stage.name() == end.stage);
     let analysis = stage.and_then(Stage::analysis);
@@ -185,8 +184,7 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
     }
     let reason = |name: &str| results.not_defined.get(name);
     if let Some(reason) = reason("peak_stress_pa") {
-        let stage = scene.stages.get(script.reference_stage()).map_or("", |s| s.name());
-        let stage = label(stage);
+        let stage = label(scene.stages.get(script.reference_stage()).map_or("", Stage::name));
         return vec![format!(
             "no modulus and no peak stress: {reason} (the reference stage is {stage}; \
              `reference_stage` sets it)"

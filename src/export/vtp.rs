@@ -17,7 +17,6 @@ pub enum Values {
     Counts(Vec<i64>),
 }
 
-/// A field, by its name.
 pub type Field = (&'static str, Values);
 
 /// Points or lines with fields.
@@ -27,9 +26,7 @@ pub struct PolyData {
     pub points: Vec<[f64; 3]>,
     /// Pairs of points that are lines; without lines every point is a vertex.
     pub lines: Vec<[i64; 2]>,
-    /// Fields of the points.
     pub of_points: Vec<Field>,
-    /// Fields of the lines.
     pub of_lines: Vec<Field>,
 }
 

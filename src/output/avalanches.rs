@@ -62,7 +62,6 @@ pub(super) const COLUMNS: [Column<Ended>; 16] = [
     }),
 ];
 
-/// The current avalanche of a run.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CurrentAvalanche(pub Option<Avalanche>);
 

@@ -17,7 +17,6 @@ pub(crate) struct CsvFile {
 }
 
 impl CsvFile {
-    /// Creates the file with its header.
     pub fn create(path: PathBuf, header: Row) -> Result<Self, OutputError> {
         let file = File::create(&path).map_err(OutputError::at(&path))?;
         Self::begin(path, file, header)
@@ -58,7 +57,6 @@ impl CsvFile {
         done.map_err(OutputError::at(&self.path))
     }
 
-    /// Flushes the rows to the disk.
     pub fn sync(&self) -> Result<(), OutputError> {
         self.file.sync_data().map_err(OutputError::at(&self.path))
     }

@@ -8,7 +8,6 @@ use crate::study::{means, planned, table};
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure, say};
 
-/// Name of the table of means.
 const MEANS: &str = "study_means.csv";
 
 /// Lock of the two tables.

@@ -31,15 +31,12 @@ impl From<StudyError> for Failure {
 
 /// A study whose runs are known and sound.
 pub struct Sweep {
-    /// The study.
     pub study: Study,
-    /// The runs.
     pub plan: Plan,
     /// Directory of the runs and of the table.
     pub folder: PathBuf,
 }
 
-/// Makes the runs of a study.
 pub fn sweep(args: &SweepArgs, words: &[OsString], app: &App) -> Result<Exit, Failure> {
     let sweep = read(&args.study, args.out.as_deref(), app)?;
     if args.emit.is_some() {

@@ -14,12 +14,10 @@ use crate::study::planned::{PlannedRun, Start};
 /// Number of increments between two checkpoints of a run.
 const CHECKPOINT_EVERY: &str = "20";
 
-/// A run of a plan.
+/// A run of a plan, by its index among the preparations or the runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
-    /// The preparation with this index.
     Prepare(usize),
-    /// The run with this index.
     Run(usize),
 }
 

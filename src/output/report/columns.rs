@@ -63,12 +63,10 @@ impl Columns {
         self.changing(values.iter().map(|x| ordered(*x, scale)).collect(), 2);
     }
 
-    /// Identities and indices.
     pub fn counts(&mut self, values: &[u32]) {
         self.planes(values.iter().map(|x| x.to_le_bytes()), 4);
     }
 
-    /// Numbers of single precision.
     pub fn numbers(&mut self, values: &[f32]) {
         self.planes(values.iter().map(|x| x.to_le_bytes()), 4);
     }

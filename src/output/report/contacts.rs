@@ -2,9 +2,8 @@
 //! that forces are differences from the preceding frame, like those of bonds. A contact that is
 //! missing in a frame has no force there.
 
-use std::collections::BTreeSet;
-
 use super::columns::Columns;
+use super::distinct;
 use crate::frames::{FramePairs, NONE};
 
 /// The contacts of some frames, ascending: indices of their bodies in the page, and the number of
@@ -18,8 +17,7 @@ impl Contacts {
         frames: impl Iterator<Item = &'a FramePairs>,
         index: impl Fn(u32) -> u32,
     ) -> Self {
-        let keys = frames.flat_map(|pairs| rows(pairs, &index)).map(|(_, key)| key);
-        Self(keys.collect::<BTreeSet<_>>().into_iter().collect())
+        Self(distinct(frames.flat_map(|pairs| rows(pairs, &index)).map(|(_, key)| key)))
     }
 
     pub fn len(&self) -> usize {

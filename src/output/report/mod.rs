@@ -12,6 +12,7 @@ mod movie;
 mod run;
 mod scales;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
@@ -95,6 +96,11 @@ fn page(data: &serde_json::Value, movie: Option<&Movie>) -> String {
     let (before, after) = PAGE.split_once("{{scripts}}").unwrap_or((PAGE, ""));
     let before = before.replacen("{{title}}", &title, 1).replacen("{{style}}", &STYLES.concat(), 1);
     [before, blocks, after.to_owned()].concat()
+}
+
+/// All values once, ascending.
+fn distinct<T: Ord>(all: impl Iterator<Item = T>) -> Vec<T> {
+    all.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// Text within HTML.

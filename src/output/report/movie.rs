@@ -6,16 +6,15 @@
 //! whole, so that a page can start to read there. Contacts without a bond have one list for the
 //! frames from one whole frame to the next.
 
-use std::collections::BTreeSet;
-
 use glam::DVec2;
 use serde_json::{Value, json};
 
 use super::choose::File;
 use super::columns::{Columns, scale};
 use super::contacts::Contacts;
+use super::distinct;
 use super::scales::{Scales, mean, shear, view};
-use crate::frames::{Frame, NONE, STATES};
+use crate::frames::{Frame, FramePairs, NONE, STATES};
 use crate::output::OutputError;
 use crate::output::corners::joined;
 
@@ -109,17 +108,15 @@ impl Movie {
 
 impl Rows {
     fn of(frames: &[Frame]) -> Self {
-        let (mut bodies, mut walls, mut bonds) =
-            (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-        for frame in frames {
-            bodies.extend(&frame.bodies.id);
-            walls.extend(&frame.walls.id);
-            let pairs = &frame.pairs;
-            let rows = (0..pairs.a.len()).filter(|k| pairs.bond[*k] != NONE);
-            bonds.extend(rows.map(|k| (pairs.a[k], pairs.b[k], pairs.bond[k])));
+        let bonds = |FramePairs { a, b, bond, .. }: &FramePairs| -> Vec<_> {
+            let rows = (0..a.len()).filter(|k| bond[*k] != NONE);
+            rows.map(|k| (a[k], b[k], bond[k])).collect()
+        };
+        Self {
+            bodies: distinct(frames.iter().flat_map(|frame| frame.bodies.id.clone())),
+            walls: distinct(frames.iter().flat_map(|frame| frame.walls.id.clone())),
+            bonds: distinct(frames.iter().flat_map(|frame| bonds(&frame.pairs))),
         }
-        let (bodies, walls) = (bodies.into_iter().collect(), walls.into_iter().collect());
-        Self { bodies, walls, bonds: bonds.into_iter().collect() }
     }
 
     /// Index of a body in the page: particles, then walls.
@@ -238,11 +235,8 @@ fn since(frames: &mut [Frame], start: usize) {
     }
 }
 
-/// Names of the groups of all frames.
 fn groups(frames: &[Frame]) -> Vec<&str> {
-    let names: BTreeSet<&str> =
-        frames.iter().flat_map(|frame| frame.groups.iter().map(String::as_str)).collect();
-    names.into_iter().collect()
+    distinct(frames.iter().flat_map(|frame| frame.groups.iter().map(String::as_str)))
 }
 
 /// The walls of a frame, with the points of their lines from the origin, m. Straight lines are

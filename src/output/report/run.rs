@@ -15,7 +15,6 @@ use crate::output::{OutputError, directory};
 /// Columns of texts.
 const TEXTS: [&str; 4] = ["stage", "status", "caps", "mode"];
 
-/// A run that a page shows.
 pub struct Run {
     /// Its data, as the page reads them.
     pub value: Value,
