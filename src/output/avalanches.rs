@@ -95,7 +95,7 @@ impl Avalanche {
         }
         let is_loaded = observation.fraction > 0.0;
         let is_active = now.search.active;
-        // Of the contacts and bonds. Only static increments begin and end avalanches.
+        // Of contacts and bonds, J. Only static increments begin and end avalanches.
         let energy = || elastic_energy_left(&now.program, &now.solution);
         let after = (!is_loaded).then(|| (observation.axial_stress, energy()));
         if let Some(avalanche) = open.as_mut().filter(|_| !is_loaded) {

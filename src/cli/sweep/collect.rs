@@ -65,12 +65,10 @@ fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> 
     for group in &groups {
         let label = planned::label(&names, &group.values);
         let spread = peak.map(|peak| group.results[peak]).unwrap_or_default();
-        let stress = match (spread.mean, spread.deviation) {
-            (Some(mean), Some(sd)) => {
-                let (mean, sd) = (rounded(1e-6 * mean), rounded(1e-6 * sd));
-                format!("peak {mean} MPa, standard deviation {sd} MPa")
-            }
-            (Some(mean), None) => format!("peak {} MPa", rounded(1e-6 * mean)),
+        let megapascals = |stress: Option<f64>| stress.map(|stress| rounded(1e-6 * stress));
+        let stress = match (megapascals(spread.mean), megapascals(spread.deviation)) {
+            (Some(mean), Some(sd)) => format!("peak {mean} MPa, standard deviation {sd} MPa"),
+            (Some(mean), None) => format!("peak {mean} MPa"),
             (None, _) => "no peak".to_owned(),
         };
         let marked = match group.marked {
