@@ -67,9 +67,8 @@ pub fn summary(
     }
     parts.extend(record.peak_force.as_ref().map(PeakForce::line));
     parts.extend(r.residual_strength_pa.map(|s| format!("residual strength {}", stress(s))));
-    parts.extend(
-        r.friction_angle_rad.map(|phi| format!("friction angle {:.2} degrees", phi.to_degrees())),
-    );
+    let angle = r.friction_angle_rad.map(f64::to_degrees);
+    parts.extend(angle.map(|phi| format!("friction angle {phi:.2} degrees")));
     parts.extend(r.limit_load_pa.map(|s| format!("limit load {}", stress(s))));
     if r.peak_stress_pa.is_some() {
         parts.extend(r.porosity.map(|n| format!("porosity {n:.4}")));
@@ -119,11 +118,8 @@ pub fn summary(
 /// Warnings about the ends of the stages.
 fn warnings(script: &Script) -> Vec<String> {
     let ends = &script.ends;
-    let mut lines: Vec<_> = ends
-        .iter()
-        .filter_map(StageEnd::warning)
-        .map(|warning| format!("WARNING: {warning}"))
-        .collect();
+    let of_ends = ends.iter().filter_map(StageEnd::warning);
+    let mut lines: Vec<_> = of_ends.map(|warning| format!("WARNING: {warning}")).collect();
     let capped = || ends.iter().filter(|end| end.capped > 0);
     if capped().next().is_some() {
         let mut line = "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only"
@@ -146,12 +142,10 @@ fn warnings(script: &Script) -> Vec<String> {
 fn after_collapse(script: &Script) -> Option<String> {
     let collapsed = &script.collapse.as_ref()?.stage;
     let after = script.ends.iter().skip_while(|end| end.stage != *collapsed).skip(1);
-    let solved: Vec<_> = after
-        .filter(|end| {
-            end.rows > 0 && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
-        })
-        .map(|end| label(&end.stage).to_string())
-        .collect();
+    let is_solved = |end: &&StageEnd| {
+        end.rows > 0 && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
+    };
+    let solved: Vec<_> = after.filter(is_solved).map(|end| label(&end.stage)).collect();
     (!solved.is_empty()).then(|| {
         format!(
             "WARNING: stage {} collapsed; what came after it ({}) was solved from the last equilibrium before \
