@@ -32,20 +32,14 @@ pub struct OutputFailure(pub OutputError);
 
 impl Plugin for OutputPlugin {
     fn build(&self, app: &mut App) {
+        let take_start = prepared::take_start.run_if(resource_exists::<RunDirectory>);
+        let write_packing = prepared::write_packing.pipe(halt).run_if(can_write);
         app.register_resource::<PreparedSpecimen>("output.specimen")
             .register_resource::<CurrentAvalanche>("output.avalanche")
             .register_resource::<Found>("output.results")
             .init_resource::<Wanted>()
-            .add_systems(
-                BeginStage,
-                prepared::take_start
-                    .run_if(resource_exists::<RunDirectory>)
-                    .before(StageSystems::BuiltIn),
-            )
-            .add_systems(
-                EndStage,
-                prepared::write_packing.pipe(halt).run_if(can_write).after(StageSystems::Custom),
-            )
+            .add_systems(BeginStage, take_start.before(StageSystems::BuiltIn))
+            .add_systems(EndStage, write_packing.after(StageSystems::Custom))
             .add_systems(
                 AdvanceIncrement,
                 (

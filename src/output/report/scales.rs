@@ -46,7 +46,7 @@ pub struct Scales {
     /// Typical normal force times the mean radius, N m; 0 without moments.
     pub moment: f32,
     /// Ranges of colours by name.
-    ranges: Vec<(&'static str, [f32; 2])>,
+    ranges: Value,
 }
 
 impl Scales {
@@ -66,14 +66,14 @@ impl Scales {
         let (low, high) = (BEYOND, 1.0 - BEYOND);
         let (turn, moved) = (at(3, high), at(0, high));
         let (speed, force, stress) = (at(2, high), at(5, high), [at(4, low), at(4, high)]);
-        scales.ranges = vec![
-            ("displacement", [0.0, moved]),
-            ("motion", [0.0, at(1, high)]),
-            ("velocity", [0.0, speed]),
-            ("rotation", [-turn, turn]),
-            ("stress", stress),
-            ("force", [0.0, force]),
-        ];
+        scales.ranges = json!({
+            "displacement": [0.0, moved],
+            "motion": [0.0, at(1, high)],
+            "velocity": [0.0, speed],
+            "rotation": [-turn, turn],
+            "stress": stress,
+            "force": [0.0, force],
+        });
         let typical = |all: &mut f32, quantile: f32| *all = quantile.max(SPREAD * *all);
         typical(&mut scales.rotation, turn);
         typical(&mut scales.stress, stress[0].abs().max(stress[1]));
@@ -113,8 +113,6 @@ impl Scales {
 
     /// The scales as the page reads them.
     pub fn json(&self) -> Value {
-        let ranges: serde_json::Map<_, _> =
-            self.ranges.iter().map(|(name, range)| ((*name).to_owned(), json!(range))).collect();
         json!({
             "step": self.step(),
             "width": self.width,
@@ -123,7 +121,7 @@ impl Scales {
             "velocity": if self.velocity > 0.0 { Some(scale(self.velocity)) } else { None },
             "force": scale(self.force),
             "moment": if self.moment > 0.0 { Some(scale(self.moment)) } else { None },
-            "ranges": ranges,
+            "ranges": self.ranges,
         })
     }
 }
