@@ -9,7 +9,7 @@ use super::parts::{are_apart, both_straight, one_piece};
 use super::places::{are_alike, are_opposite, distance};
 use super::references::index_exists;
 use super::select::select;
-use crate::history_columns;
+use crate::output::history::has_column;
 
 pub(super) fn check(at: &mut At) {
     let context = at.context;
@@ -28,7 +28,7 @@ pub(super) fn check(at: &mut At) {
         if role.is_some() && at.is_sure("of") {
             names_a_role(at, name, of);
         }
-        if role.is_none() && history_columns::has(name) {
+        if role.is_none() && has_column(name) {
             let message = format!("the history has a column of this name (`{name}`)");
             at.add("name", message, "give another name");
         }
