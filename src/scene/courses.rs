@@ -20,9 +20,7 @@ pub(super) const MOST: f64 = 1e6;
 
 /// A table that is given by an expression, or by two in a displacement.
 pub(super) struct Course<'n, 't> {
-    /// Path of the table.
     pub path: String,
-    /// The expressions.
     pub parts: Vec<Part<'n, 't>>,
     /// Unit of the values.
     pub unit: &'static str,
@@ -51,9 +49,7 @@ struct Stage<'n, 't> {
 
 /// A table with points in place of its expressions.
 pub(super) struct Sampled<'t> {
-    /// The list of points.
     pub points: Node<'t>,
-    /// Number of increments.
     pub increments: f64,
     /// Mistakes in the expressions.
     pub findings: Vec<Finding>,

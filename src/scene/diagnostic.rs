@@ -34,6 +34,11 @@ impl Finding {
         let help = Some(help.into()).filter(|help| !help.is_empty());
         Self { path: path.into(), message: message.into(), help, at_key: false }
     }
+
+    /// The same about the key of the field.
+    pub(super) fn at_key(self) -> Self {
+        Self { at_key: true, ..self }
+    }
 }
 
 impl fmt::Display for Finding {

@@ -3,14 +3,13 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::context::Notes;
 use super::courses::gather;
 use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
 use super::edited::EditedText;
 use super::files::{decode, read_at_most};
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
-use super::reader::read;
+use super::reader::read::{self, Notes};
 use super::repeats::Written;
 use super::scan::scan;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
@@ -81,8 +80,7 @@ pub fn load_with(
     sets: &[String],
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
-    let base = path.parent().unwrap_or(Path::new(""));
-    load_file(path, sets, |specimen| read_specimen(base, specimen), further)
+    load_file(path, sets, true, further)
 }
 
 /// Like [`load_with`], for a scene whose saved state is still to be made. What depends on the state
@@ -95,18 +93,13 @@ pub fn load_unprepared(
     sets: &[String],
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
-    let base = path.parent().unwrap_or(Path::new(""));
-    let read = |specimen: &Specimen| match specimen {
-        Specimen::State { .. } => Ok(None),
-        _ => read_specimen(base, specimen),
-    };
-    load_file(path, sets, read, further)
+    load_file(path, sets, false, further)
 }
 
 fn load_file(
     path: &Path,
     sets: &[String],
-    read: impl FnOnce(&Specimen) -> Result<Option<StoredSpecimen>, ReadError>,
+    is_prepared: bool,
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
     let read_error = |source| LoadError::Read { path: path.to_owned(), source };
@@ -121,6 +114,11 @@ fn load_file(
         return Err(refuse((String::new(), Placed { at: 0, finding })));
     };
     let text = decode(bytes, "save the scene as UTF-8").map_err(refuse)?;
+    let base = path.parent().unwrap_or(Path::new(""));
+    let read = |specimen: &Specimen| match specimen {
+        Specimen::State { .. } if !is_prepared => Ok(None),
+        _ => read_specimen(base, specimen),
+    };
     from_text(&text, path, sets, read, further)
 }
 

@@ -81,7 +81,6 @@ pub fn size(bytes: f64) -> String {
     format!("{:.1} {unit}", bytes / size)
 }
 
-/// Number of particles.
 pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> u64 {
     match specimen {
         Specimen::Particles(list) => list.len() as u64,

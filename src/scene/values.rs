@@ -43,7 +43,6 @@ impl Use<'_, '_> {
     }
 }
 
-/// The entries of `let`.
 fn defined<'n, 't>(root: &'n Node<'t>) -> &'n [Entry<'t>] {
     root.field("let").map_or(&[], |defined| &defined.entries)
 }
@@ -192,10 +191,6 @@ fn findings(
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut known = Known::new();
-    let at_key = |path: &str, message: String, help: String| Finding {
-        at_key: true,
-        ..Finding::new(path, message, help)
-    };
     for name in places.keys() {
         let path = join("let", name);
         if !is_name(name) {
@@ -204,14 +199,15 @@ fn findings(
                 _ => "write a word in lower case, as in `confining` or `step_2`",
             };
             let message = format!("`{name}` cannot stand for a number");
-            findings.push(at_key(&path, message, help.to_owned()));
+            findings.push(Finding::new(path, message, help).at_key());
             continue;
         }
         let course = uses.iter().find(|at| at.own.contains(&name.as_str()) && at.has(name));
         if let Some(Use { path: at, .. }) = course {
             let what = if name == "s" { "progress" } else { "time" };
             let message = format!("`{name}` is the {what} of the stage at {at}");
-            findings.push(at_key(&path, message, format!("give `{name}` another name in `let`")));
+            let help = format!("give `{name}` another name in `let`");
+            findings.push(Finding::new(&path, message, help).at_key());
         }
         if !spared.contains(name) && !uses.iter().any(|at| at.has(name)) {
             let others = places.keys().map(String::as_str).filter(|other| other != name);
@@ -219,23 +215,24 @@ fn findings(
                 Some(near) => format!("did you mean `{near}`? Else leave it out"),
                 None => format!("write `{name}`, without quotes, for a number, or leave it out"),
             };
-            findings.push(at_key(&path, format!("no number uses it (`{name}`)"), help));
+            let message = format!("no number uses it (`{name}`)");
+            findings.push(Finding::new(path, message, help).at_key());
             continue;
         }
         let alone = uses.iter().filter(|at| at.name() == Some(name));
         let mut alone = alone.filter_map(|at| Some((at, at.unit?)));
         let Some((first, unit)) = alone.next() else { continue };
-        known.insert(name.clone(), Dimension::of_unit(unit).powers());
+        known.insert(name.clone(), Dimension::of_unit(unit).powers);
         for (at, here) in alone.filter(|(_, here)| *here != unit) {
             let [here, there] = [here, unit].map(a_number);
             let message = format!("`{name}` is {here} here, and {there} at {}", first.path);
-            let help = "give each its own name in `let`".to_owned();
+            let help = "give each its own name in `let`";
             findings.push(Finding::new(&at.path, message, help));
         }
     }
     for (name, unit) in [("s", ""), ("t", "s")] {
         if !places.contains_key(name) {
-            known.insert(name.to_owned(), Dimension::of_unit(unit).powers());
+            known.insert(name.to_owned(), Dimension::of_unit(unit).powers);
         }
     }
     // Names that stand alone are compared above.

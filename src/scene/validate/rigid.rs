@@ -77,10 +77,9 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
     if control.about.is_some() && !control.makes() && is_sure {
         at.add("about", "the pivot of a group that exists", "give it where the group is made");
     }
-    if control.about.is_none() && !control.walls.is_empty() {
-        let help = "give `about: (x, y)`: walls have no mass, so that they have no centre of mass";
-        at.add("walls", "a group with walls and without a pivot", help);
-    }
+    let help = "give `about: (x, y)`: walls have no mass, so that they have no centre of mass";
+    let what = "a group with walls and without a pivot";
+    at.refuse(control.about.is_none() && !control.walls.is_empty(), "walls", what, help);
     for (field, wanted, unit) in control.motions() {
         motion(at, field, wanted, unit);
     }
@@ -90,10 +89,8 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
     let (x, y) = control.total_force(1.0).unwrap_or_default();
     let moment = control.moment.unwrap_or_default();
     for ((field, wanted, _), load) in control.motions().into_iter().zip([x, y, moment]) {
-        if wanted != Motion::Free && load != 0.0 {
-            let message = format!("{field} is held or driven, and loaded too");
-            let help = "a load has no effect there: leave it out, or leave the motion free";
-            at.add(field, message, help);
-        }
+        let message = format!("{field} is held or driven, and loaded too");
+        let help = "a load has no effect there: leave it out, or leave the motion free";
+        at.refuse(wanted != Motion::Free && load != 0.0, field, message, help);
     }
 }
