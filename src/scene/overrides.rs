@@ -75,9 +75,7 @@ fn apply_one(mut edited: EditedText, set: &str) -> Result<EditedText, SetError> 
     let new = match refusal {
         None => plain,
         Some(_) if !value.starts_with('"') && place.refusal(text, &quoted).is_none() => quoted,
-        Some(Finding { message, help, .. }) => {
-            return Err(SetError { set: set.to_owned(), message, help });
-        }
+        Some(wrong) => return Err(error(&wrong.message, wrong.help.unwrap_or_default())),
     };
     edited.replace(place.span, &new, set);
     Ok(edited)

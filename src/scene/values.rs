@@ -145,14 +145,8 @@ fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Values, Repl
     let names: Vec<String> = places.into_keys().collect();
     let mut left = courses::MOST;
     for course in &courses {
-        let sampled = course.sample(&names, &value, &mut left);
-        let first = course.parts[0].node.span.start;
-        replacements.insert(first, (sampled.points, course.parts.len()));
-        if sampled.is_made_up {
-            values.made_up.push(course.path.clone());
-        }
-        findings.extend(sampled.findings);
-        values.tables.push((course.path.clone(), sampled.increments));
+        let points = course.sample(&names, &value, &mut left, &mut findings, &mut values);
+        replacements.insert(course.parts[0].node.span.start, (points, course.parts.len()));
     }
     values.placed = place(root, findings, &[]);
     (values, replacements)

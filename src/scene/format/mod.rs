@@ -162,19 +162,13 @@ impl Scene {
     /// The strain of a name; `None` if there is none, or the measure is no strain.
     #[must_use]
     pub fn strain(&self, name: &str) -> Option<&Strain> {
-        match self.measure(name) {
-            Some(Quantity::Strain(strain)) => Some(strain),
-            _ => None,
-        }
+        if let Some(Quantity::Strain(strain)) = self.measure(name) { Some(strain) } else { None }
     }
 
     /// The stress of a name; `None` if there is none, or the measure is no stress.
     #[must_use]
     pub fn stress(&self, name: &str) -> Option<&Stress> {
-        match self.measure(name) {
-            Some(Quantity::Stress(stress)) => Some(stress),
-            _ => None,
-        }
+        if let Some(Quantity::Stress(stress)) = self.measure(name) { Some(stress) } else { None }
     }
 
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then

@@ -128,7 +128,7 @@ impl<'a> Reader<'a> {
 
     /// Reads the items of a list or a tuple.
     pub(super) fn items<V: Visitor<'a>>(
-        self,
+        &self,
         length: usize,
         visitor: V,
     ) -> Result<V::Value, Failure> {

@@ -178,8 +178,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         if !self.is_made_up() && self.node.shape != Shape::List {
             return self.expected("a list `[...]`").deserialize_seq(visitor);
         }
-        let length = self.node.entries.len();
-        self.items(length, visitor)
+        self.items(self.node.entries.len(), visitor)
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(

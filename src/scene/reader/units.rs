@@ -72,8 +72,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
     Some(match name {
         "position" | "size" | "tilt" | "radius" | "radii" | "limits" | "spacing" | "origin"
         | "start" | "moved" | "end" | "min" | "max" | "about" | "centre" | "length" | "step"
-        | "thickness" | "ball" | "Height" => "m",
-        "x" | "y" => "m",
+        | "thickness" | "ball" | "Height" | "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
         "Velocity" if around == Some("rad") => "rad/s",

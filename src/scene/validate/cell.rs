@@ -54,16 +54,10 @@ pub(super) fn check(at: &mut At) {
     let what = "an energy ledger of a periodic cell with dynamic stages";
     at.refuse(scene.output.energy && in_cell.any(is_dynamic), "output.energy", what, help);
     if let Some(state) = context.state().filter(|state| !state.gives_cell) {
-        let (what, help) = match state.cell {
-            Some(_) => {
-                ("the state has a periodic cell already", "leave it out: the run continues in it")
-            }
-            None => (
-                "a state without a periodic cell",
-                "start from the state of a run with a cell, or leave `cell` out",
-            ),
-        };
-        at.add("cell", what, help);
+        let help = "leave it out: the run continues in it";
+        at.refuse(state.cell.is_some(), "cell", "the state has a periodic cell already", help);
+        let help = "start from the state of a run with a cell, or leave `cell` out";
+        at.refuse(state.cell.is_none(), "cell", "a state without a periodic cell", help);
     }
     let mut is_open = false;
     for (i, stage) in scene.stages.iter().enumerate() {

@@ -67,7 +67,7 @@ pub(super) fn check(at: &mut At) {
         let help = format!("give the specimen a `material`, one of {names}, or select it here");
         at.add("minerals", message, help);
     }
-    if scene.keep.is_some() && at.is_sound("walls") {
+    if scene.keep.is_some() && at.are_sound(&["walls"]) {
         let hidden = seeds.iter().find_map(|seed| {
             let place = seed.position.into();
             Some((place, &walls_before(scene, place, seed.radius).next()?.name))

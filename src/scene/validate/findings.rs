@@ -69,14 +69,10 @@ impl<'a> Findings<'a> {
         parts.iter().all(|part| self.is_sure_of(part))
     }
 
-    /// Whether a part of the scene contains no made-up value and has no mistake so far.
-    pub(super) fn is_sound(&self, path: &str) -> bool {
-        self.is_sure_of(path) && !self.list.iter().any(|finding| within(&finding.path, path))
-    }
-
     /// Whether some parts of the scene contain no made-up value and have no mistake so far.
     pub(super) fn are_sound(&self, parts: &[&str]) -> bool {
-        parts.iter().all(|part| self.is_sound(part))
+        let has_none = |part: &&str| !self.list.iter().any(|wrong| within(&wrong.path, part));
+        self.are_sure_of(parts) && parts.iter().all(has_none)
     }
 
     /// Adds a finding. Several stages may have the same mistake in one field, which is reported once.

@@ -48,17 +48,15 @@ fn names_a_role(at: &mut At, name: &str, of: &Quantity) {
 
 /// What a measure is that is a strain, but no normal strain, and a name for it.
 fn no_normal_strain(of: &Quantity) -> Option<(&'static str, &'static str)> {
-    match of {
-        Quantity::Strain(Strain::Cell(CellStrain::Shear))
-        | Quantity::Strain(Strain::Region { component: StrainComponent::Xy, .. }) => {
+    use StrainComponent::{Rotation, Volumetric, Xy};
+
+    let Quantity::Strain(strain) = of else { return None };
+    match strain {
+        Strain::Cell(CellStrain::Shear) | Strain::Region { component: Xy, .. } => {
             Some(("shear strain", "shear_strain"))
         }
-        Quantity::Strain(Strain::Region { component: StrainComponent::Rotation, .. }) => {
-            Some(("rotation", "rotation_rad"))
-        }
-        Quantity::Strain(Strain::Region { component: StrainComponent::Volumetric, .. }) => {
-            Some(("volumetric strain", "volume"))
-        }
+        Strain::Region { component: Rotation, .. } => Some(("rotation", "rotation_rad")),
+        Strain::Region { component: Volumetric, .. } => Some(("volumetric strain", "volume")),
         _ => None,
     }
 }

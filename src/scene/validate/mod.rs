@@ -141,10 +141,7 @@ impl<'a> Context<'a> {
     }
 
     fn listed(&self) -> &'a [Particle] {
-        match &self.scene.specimen {
-            Specimen::Particles(list) => list,
-            _ => &[],
-        }
+        if let Specimen::Particles(list) = &self.scene.specimen { list } else { &[] }
     }
 
     /// Names of the groups to which particles of the specimen belong, but for those of a state.

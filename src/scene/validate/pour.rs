@@ -35,7 +35,12 @@ pub(super) fn check(at: &mut At, stage: &Pour) {
     }
     let message = format!("shares of more than 1 together ({all:?})");
     let help = "give shares of all grains";
-    at.refuse(all > 1.0 + 1e-12 && at.is_sound(&at.path("minerals")), "minerals", message, help);
+    at.refuse(
+        all > 1.0 + 1e-12 && at.are_sound(&[&at.path("minerals")]),
+        "minerals",
+        message,
+        help,
+    );
     name_of_group(at, group.as_deref());
     let groups = &at.context.scene.groups;
     if let Some(group) = group.as_ref().filter(|group| groups.contains_key(*group)) {

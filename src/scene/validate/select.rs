@@ -19,10 +19,10 @@ pub(super) fn select(at: &mut At, select: &Select) {
     match select {
         Select::All => {
             let pours = context.scene.stages.iter().any(Stage::pours);
-            if context.particles == Some(0) && !pours && at.are_sound(&["specimen", "keep"]) {
-                let help = "add particles to the specimen, or leave this entry out";
-                at.add("", "selects no particle: the specimen has none", help);
-            }
+            let is_empty = context.particles == Some(0) && !pours;
+            let is_sure = at.are_sound(&["specimen", "keep"]);
+            let help = "add particles to the specimen, or leave this entry out";
+            at.refuse(is_empty && is_sure, "", "selects no particle: the specimen has none", help);
         }
         Select::Index(list) => {
             let help = "name particles by index, from 0";
@@ -172,7 +172,7 @@ pub(super) fn regions(at: &mut At) {
     // An invalid recipe makes no particles.
     let at = &mut at.item("stages", i);
     let is_sound = at.are_sound(&["specimen", "groups", "materials", "minerals", "keep"])
-        && ["particles", "rigid", "select"].iter().all(|field| at.is_sound(&at.path(field)));
+        && ["particles", "rigid", "select"].iter().all(|field| at.are_sound(&[&at.path(field)]));
     if !is_sound {
         return;
     }
