@@ -12,7 +12,7 @@ use super::spans::{join, unwrapped};
 use super::suggest;
 use super::tree::{Node, Shape};
 use super::units;
-use super::values::{Values, a_number, help, is_name};
+use super::values::{Values, a_number, help, stands};
 
 /// Maximum number of points that expressions stand for in a scene. A slip in `increments` must not
 /// fill the memory.
@@ -79,7 +79,7 @@ fn see<'n, 't>(
                 let path = if nodes.len() == 1 { path.clone() } else { format!("{path}[{j}]") };
                 Part { node, path, expression: parse(node.literal).ok() }
             };
-            if nodes.iter().all(|node| stands(node)) {
+            if nodes.iter().all(|node| node.shape == Shape::Number || stands(node)) {
                 let parts = nodes.iter().enumerate().map(part).collect();
                 courses.push(Course { path, parts, unit, stage: of.clone() });
             }
@@ -109,15 +109,6 @@ fn see<'n, 't>(
                 _ => {}
             }
         }
-    }
-}
-
-/// Whether a value can be an expression.
-fn stands(node: &Node) -> bool {
-    match node.shape {
-        Shape::Number | Shape::Expression => true,
-        Shape::Word => node.literal == "pi" || is_name(node.literal),
-        _ => false,
     }
 }
 

@@ -131,13 +131,11 @@ pub(super) fn place(
             rest.map_or(path.clone(), |rest| format!("{written}{rest}"))
         })
     };
-    findings
-        .into_iter()
-        .map(|finding| {
-            let at = nearest(root, &written(&finding.path), finding.at_key);
-            Placed { at, finding }
-        })
-        .collect()
+    let placed = findings.into_iter().map(|finding| Placed {
+        at: nearest(root, &written(&finding.path), finding.at_key),
+        finding,
+    });
+    placed.collect()
 }
 
 /// Whether a path equals another path or is a part of it.

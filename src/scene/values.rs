@@ -271,14 +271,10 @@ pub(super) fn is_name(name: &str) -> bool {
         && !["true", "false", "inf", "pi"].contains(&name)
 }
 
-/// The expression that stands for a number.
-fn expression(node: &Node) -> Option<Expression> {
-    let Node { literal, shape, .. } = node;
-    match shape {
-        Shape::Word if is_name(literal) || *literal == "pi" => parse(literal).ok(),
-        Shape::Expression => parse(literal).ok(),
-        _ => None,
-    }
+/// Whether a value is a name or an expression, which can stand for a number.
+pub(super) fn stands(node: &Node) -> bool {
+    let is_word = || is_name(node.literal) || node.literal == "pi";
+    node.shape == Shape::Expression || (node.shape == Shape::Word && is_word())
 }
 
 /// Collects names and expressions below a value that may stand for numbers. Paths and units are those of the
@@ -289,7 +285,9 @@ fn walk<'n, 't>(
     unit: Option<&'static str>,
     uses: &mut Vec<Use<'n, 't>>,
 ) {
-    if let Some(expression) = expression(node) {
+    if stands(node)
+        && let Ok(expression) = parse(node.literal)
+    {
         uses.push(Use { node, path, expression, unit, own: &[] });
         return;
     }

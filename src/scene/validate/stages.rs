@@ -25,7 +25,8 @@ pub(super) fn check(at: &mut At) {
     let help = "add one, such as Load(name: \"load\", increments: 10)";
     let what = "no stage: nothing would happen";
     at.refuse(scene.stages.is_empty() && at.is_sure_of("stages"), "stages", what, help);
-    let mut groups = rigid::at_start(&scene.rigid_at_start);
+    let at_start = scene.rigid_at_start.iter();
+    let mut groups: Vec<_> = at_start.map(|name| rigid::There { name, walls: &[] }).collect();
     let mut skins: Vec<_> = membranes::inherited(context.specimen).cloned().collect();
     let mut stresses = carried::inherited(context.specimen);
     for (i, stage) in scene.stages.iter().enumerate() {
