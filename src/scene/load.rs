@@ -9,13 +9,13 @@ use super::edited::EditedText;
 use super::files::{decode, read_at_most};
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
-use super::reader::read::{self, Notes};
+use super::reader::read;
 use super::repeats::Written;
 use super::scan::scan;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
 use super::validate::findings;
-use super::values::{self, Values};
+use super::values;
 
 /// A scene that was read and checked.
 #[derive(Clone, Debug)]
@@ -177,12 +177,11 @@ fn from_text(
     };
     let before = if sets.is_empty() { None } else { scan(text).0 };
     let spared = before.as_ref().map(values::used).unwrap_or_default();
-    let Values { placed: misused, tables, made_up: no_values } = values::put_in(&mut root, &spared);
-    let (mut scene, notes) = read::read::<Scene>(&root);
-    let Notes { placed: misread, mut made_up, renamed } = notes;
-    made_up.extend(no_values);
-    placed.extend(misused);
-    placed.extend(misread);
+    let values = values::put_in(&mut root, &spared);
+    let (mut scene, mut notes) = read::read::<Scene>(&root);
+    notes.made_up.extend(values.made_up);
+    placed.extend(values.placed);
+    placed.extend(notes.placed);
     let mut csv_errors = None;
     let mut specimen = None;
     if let Some(scene) = &mut scene {
@@ -200,7 +199,7 @@ fn from_text(
         if let Some(stored) = &mut specimen {
             inherit(scene, stored);
         }
-        let mut unsure = made_up.clone();
+        let mut unsure = notes.made_up.clone();
         if matches!(scene.specimen, Specimen::State { .. }) && specimen.is_none() {
             // The names of a state that cannot be read are unknown.
             unsure.push("specimen".to_owned());
@@ -212,8 +211,8 @@ fn from_text(
         let written = Written::of(&root);
         let mut found = written.place(found);
         found.extend(written.findings);
-        found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
-        placed.extend(gather(place(&root, found, &renamed), &tables));
+        found.retain(|finding| !notes.made_up.iter().any(|path| within(&finding.path, path)));
+        placed.extend(gather(place(&root, found, &notes.renamed), &values.tables));
     }
     if let Some(error) = addressed_nothing(&edited, &placed) {
         return Err(LoadError::Set(error));

@@ -264,7 +264,7 @@ pub(super) fn a_number(unit: &str) -> String {
 
 /// Whether a word can stand for a number. Words of the format begin with a capital, apart from
 /// these.
-pub(super) fn is_name(name: &str) -> bool {
+fn is_name(name: &str) -> bool {
     let first = |c: char| c.is_lowercase() || c == '_';
     name.starts_with(first)
         && name.chars().all(|c| c.is_alphanumeric() || c == '_')
