@@ -7,8 +7,8 @@ use super::diagnostic::MAX_SHOWN;
 /// Centres closer than this fraction of the smaller radius count as one position.
 const ONE_PLACE: f64 = 1e-9;
 
-/// The first pairs of disks (x, y, r) at one position, `MAX_SHOWN` of them: the earlier disk for each
-/// later one.
+/// The first `MAX_SHOWN` pairs of disks (x, y, r) at one position: the earlier disk for each later
+/// one.
 ///
 /// Larger overlaps are permitted, because an elastic specimen may start compressed.
 pub(super) fn coincident(disks: &[(f64, f64, f64)]) -> Vec<(usize, usize)> {

@@ -118,9 +118,9 @@ impl<'t> Course<'_, 't> {
         if self.stage.dt.is_some() { &["s", "t"] } else { &["s"] }
     }
 
-    /// The list of points in place of the expressions, made up if they have mistakes or a name has no
-    /// number. `of` has the values of `names`, and `left` is the number of points that the scene may
-    /// still have.
+    /// The list of points in place of the expressions, made up if they have mistakes or a name has
+    /// no number. `of` has the values of `names`, and `left` is the number of points that the scene
+    /// may still have.
     pub fn sample(
         &self,
         names: &[String],

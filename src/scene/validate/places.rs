@@ -151,10 +151,11 @@ pub(super) fn not_behind(
     is_fine
 }
 
-/// Checks the imposed motions of walls. A displacement applies to every increment. If it is mistaken
-/// for that of the stage, the walls meet: two parallel walls that face each other must not meet in a
-/// stage without stop conditions. Motions in earlier stages are included. If a wall is absent, or
-/// follows a load, a velocity or another system, the distance of its pairs is unknown from then on.
+/// Checks the imposed motions of walls. A displacement applies to every increment. If it is
+/// mistaken for that of the stage, the walls meet: two parallel walls that face each other must not
+/// do so in a stage without stop conditions. Motions in earlier stages are included. If a wall is
+/// absent, or follows a load, a velocity or another system, the distance of its pairs is unknown
+/// from then on.
 pub(super) fn crossing(at: &mut At) {
     if !at.are_sure_of(&["walls", "stages"]) {
         return;

@@ -147,7 +147,7 @@ fn mentions<'a>(
     select.parts().into_iter().any(|part| mentions(groups, part, name, seen))
 }
 
-/// Finds regions and sets that select no particle, so that a control of particles would have no effect.
+/// Finds regions and sets that select no particle: a control of particles would have no effect.
 ///
 /// Positions are known until a stage moves the particles, and the particles until one is removed.
 /// The check therefore covers the first stage that loads or removes. For later stages the run makes
