@@ -19,8 +19,8 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 
 use crate::scene::SceneErrors;
+use crate::scene::reader::read::Verbatim;
 use crate::scene::reader::read::read_sound;
-use crate::scene::reader::verbatim::Verbatim;
 
 /// Version of the format that this build reads.
 pub const VERSION: u32 = 1;
