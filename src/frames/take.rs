@@ -106,20 +106,14 @@ impl FrameTables<'_, '_> {
 
     /// Index of the group of every particle, and the names in the order of the alphabet.
     fn groups(&self) -> (Vec<u32>, Vec<String>) {
-        let of = |entity| {
-            let (_, group) = self.origins.get(entity).ok()?;
-            group.map(|group| group.0.as_str())
-        };
+        let group = |entity: &Entity| Some(self.origins.get(*entity).ok()?.1?.0.as_str());
         let entities = &self.bodies.entities[..self.bodies.particles];
-        let mut names: Vec<&str> = entities.iter().filter_map(|entity| of(*entity)).collect();
+        let mut names: Vec<&str> = entities.iter().filter_map(group).collect();
         names.sort_unstable();
         names.dedup();
-        let index = |entity| {
-            let name = of(entity)?;
-            names.binary_search(&name).ok().map(|k| k as u32)
-        };
-        let indices = entities.iter().map(|entity| index(*entity).unwrap_or(NONE)).collect();
-        (indices, names.into_iter().map(str::to_owned).collect())
+        let index = |entity| names.binary_search(&group(entity)?).ok();
+        let indices = entities.iter().map(|entity| index(entity).map_or(NONE, |k| k as u32));
+        (indices.collect(), names.iter().map(|name| (*name).to_owned()).collect())
     }
 
     fn chains(&self) -> FrameMembranes {

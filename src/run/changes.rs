@@ -40,12 +40,8 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     let is_named = old.reference_stage != new.reference_stage;
     fixed("reference_stage", counts_on || !is_named, "strains count from its stage");
     fixed("probes", old.probes == new.probes, "the history has columns for each");
-    let energy = old.output.energy == new.output.energy;
-    fixed(
-        "output.energy",
-        energy,
-        "the columns of the history and the ledger exist from the start",
-    );
+    let why = "the columns of the history and the ledger exist from the start";
+    fixed("output.energy", old.output.energy == new.output.energy, why);
     let why = "strains count from the same stage; name it in `reference_stage`";
     fixed("stages", counts_on || is_named, why);
 

@@ -6,6 +6,7 @@
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{
     BodyAngularVelocity, BodyExternalForce, BodyPosition, BodyVelocity, LastMotion,
 };
@@ -13,12 +14,16 @@ use clastic_components::cell::PeriodicCell;
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::{Wall, WallControl};
+use clastic_cone::program::{ConeSolution, SolveStatus};
+use clastic_systems::stepping::{IncrementDue, IncrementUndone};
 
 use super::cement::intact;
 use super::disks::Disks;
+use super::script::Script;
+use super::state::Before;
 use super::walls::find_pair;
 use super::{cell, grow};
-use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
+use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget, Stage};
 
 /// Moves the wall, or grows the radii, towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
@@ -88,7 +93,7 @@ pub(super) fn enclosure(world: &mut World, stage: &Compact) -> Option<(f64, f64)
     Some(((place(wall)? - place(base)?).dot(line.inward()), 2.0 * line.half_length))
 }
 
-/// What a packing has reached.
+/// Density of a packing.
 pub struct Reached {
     /// Height between the walls of the stage or of the cell, m.
     pub height: f64,
@@ -98,7 +103,7 @@ pub struct Reached {
     pub porosity: f64,
 }
 
-/// The same quantity after the last committed increment.
+/// What the packing of a compaction has reached after the last committed increment.
 pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
     let (height, length) = enclosure(world, stage)?;
     let Disks { area, mean_radius, .. } = Disks::in_world(world);
@@ -114,6 +119,30 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
     }
     let CompactTarget::Porosity(target) = stage.target else { return None };
     Disks::in_world(world).refusal(target)
+}
+
+/// Ends a compaction to [`CompactTarget::Jammed`] where even the smallest part of an increment has
+/// been proved to be impossible. This increment has committed nothing, and leaves no trace. Whether
+/// it has done so.
+pub(super) fn jams(world: &mut World, stage: &Stage) -> bool {
+    let Stage::Compact(stage @ Compact { target: CompactTarget::Jammed, .. }) = stage else {
+        return false;
+    };
+    let is_undecided = world.resource::<Attempt>().status == IncrementStatus::Undecided;
+    if !is_undecided || world.resource::<ConeSolution>().status != SolveStatus::Locked {
+        return false;
+    }
+    let Before { progress, observation, readings, .. } = world.resource::<Before>().clone();
+    world.insert_resource(ClasticProgress { done: progress.total, ..progress });
+    world.insert_resource(observation);
+    world.insert_resource(readings);
+    let porosity = reached(world, stage).map(|reached| reached.porosity);
+    if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
+        end.jammed_at = porosity;
+    }
+    world.insert_resource(IncrementDue(false));
+    world.insert_resource(IncrementUndone(true));
+    true
 }
 
 /// Sets the packing to rest without stress. The forces of the compaction come from its

@@ -59,9 +59,8 @@ impl Disks {
 /// Radii of the particles of a world in the order of identities, m.
 pub(super) fn radii(world: &mut World) -> Vec<f64> {
     let mut particles = world.query::<(&BodyId, &Particle)>();
-    let mut radii: Vec<_> = particles.iter(world).map(|(id, p)| (*id, p.radius)).collect();
-    radii.sort_unstable_by_key(|(id, _)| *id);
-    radii.into_iter().map(|(_, radius)| radius).collect()
+    let ordered = particles.iter(world).sort_unstable::<&BodyId>();
+    ordered.map(|(_, particle)| particle.radius).collect()
 }
 
 /// Lower bound on the porosity of disks whose smallest radius is `ratio` times the largest: that of

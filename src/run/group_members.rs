@@ -21,16 +21,15 @@ pub const GROUP_MEMBERS: &str = "measures.groups";
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct GroupMembers(pub BTreeMap<String, Vec<BodyId>>);
 
-/// The measures of groups of the scene: name, selection, and whether it is live.
-fn wanted(world: &World) -> Vec<(String, scene::Select, bool)> {
-    let Some(script) = world.get_resource::<Script>() else { return Vec::new() };
+/// The measures of groups of the scene, of those that are live or of the others: name and selection.
+fn wanted(world: &World, are_live: bool) -> Vec<(String, scene::Select)> {
     let of = |measure: &scene::Measure| match &measure.of {
-        scene::Quantity::GroupForce { select, live, .. } => {
-            Some((measure.name.clone(), select.clone(), *live))
+        scene::Quantity::GroupForce { select, live, .. } if *live == are_live => {
+            Some((measure.name.clone(), select.clone()))
         }
         _ => None,
     };
-    script.scene.measures.iter().filter_map(of).collect()
+    world.resource::<Script>().scene.measures.iter().filter_map(of).collect()
 }
 
 /// The particles of a selection, in the order of identities.
@@ -40,24 +39,17 @@ pub(super) fn members(world: &mut World, select: &scene::Select) -> Vec<BodyId> 
 
 /// Selects the particles of the stage that begins.
 pub(super) fn begin_stage(world: &mut World) {
-    let fixed: Vec<_> = wanted(world).into_iter().filter(|(.., live)| !live).collect();
-    if fixed.is_empty() {
-        return;
+    let fixed = wanted(world, false).into_iter();
+    let all: BTreeMap<_, _> = fixed.map(|(name, select)| (name, members(world, &select))).collect();
+    if !all.is_empty() {
+        world.insert_resource(GroupMembers(all));
     }
-    let of = |(name, select, _): (String, scene::Select, bool)| (name, members(world, &select));
-    let all: BTreeMap<_, _> = fixed.into_iter().map(of).collect();
-    world.insert_resource(GroupMembers(all));
-}
-
-/// Run condition: the scene measures forces on groups.
-pub(super) fn are_measured(named: Res<NamedMeasures>) -> bool {
-    named.list.iter().any(|(_, quantity)| matches!(quantity, Some(Quantity::GroupForce { .. })))
 }
 
 /// Selects the particles of the live groups for the increment that begins. Exclusive, because a
 /// selection reads every particle of the world.
 pub(super) fn begin_increment(world: &mut World) {
-    for (name, select, _) in wanted(world).into_iter().filter(|(.., live)| *live) {
+    for (name, select) in wanted(world, true) {
         let now = members(world, &select);
         let mut named = world.resource_mut::<NamedMeasures>();
         for (measure, quantity) in &mut named.list {

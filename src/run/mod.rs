@@ -5,7 +5,6 @@
 //! world.
 
 mod advice;
-mod before;
 pub(crate) mod cell;
 pub mod cement;
 pub mod changes;
@@ -14,7 +13,6 @@ mod cores;
 pub(crate) mod disks;
 mod group_members;
 mod grow;
-mod jam;
 pub mod key_results;
 mod landing;
 mod laws;

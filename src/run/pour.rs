@@ -11,6 +11,7 @@ use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgre
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::poured::Poured;
 
+use super::laws::material_of;
 use super::pour_room::Room;
 use super::random::Random;
 use super::script::Script;
@@ -141,10 +142,8 @@ impl Grain {
             chosen < below
         });
         let name = mineral.map(|(name, _)| name).or(stream.material.as_ref());
-        let at = name.and_then(|name| scene.materials.keys().position(|known| known == name));
-        let at = at.unwrap_or(0);
-        let density = scene.materials.values().nth(at).map_or(0.0, |material| material.density);
-        Self { disk: Particle::disk(radius, density, scene.thickness), material: at as u32 }
+        let (material, density) = material_of(scene, name);
+        Self { disk: Particle::disk(radius, density, scene.thickness), material }
     }
 
     /// Whether the grain is due, so that the number or mass stays within half a grain of the

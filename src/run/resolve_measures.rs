@@ -39,23 +39,18 @@ pub fn resolve_measures(world: &mut World) {
 
 /// Adds the tables that the measures need, where they are not there yet.
 fn keep_what_is_needed(world: &mut World) {
-    let list = &world.resource::<Script>().scene.measures;
-    let has = |needs: fn(&scene::Quantity) -> bool| list.iter().any(|measure| needs(&measure.of));
-    let regions = has(|of| match of {
-        Quantity::Strain(StrainMeasure::Region { .. }) | Quantity::Ring { .. } => true,
-        Quantity::Grains { moved, .. } => *moved > 0.0,
-        _ => false,
-    });
-    let path = has(|of| matches!(of, Quantity::DilationAngle { .. }));
-    let cracks = has(|of| matches!(of, Quantity::Cracks { .. }));
-    if regions {
-        world.init_resource::<StrainReference>();
-    }
-    if path {
-        world.init_resource::<StrainPath>();
-    }
-    if cracks {
-        world.init_resource::<CrackSums>();
+    for scene::Measure { of, .. } in world.resource::<Script>().scene.measures.clone() {
+        match of {
+            Quantity::Strain(StrainMeasure::Region { .. }) | Quantity::Ring { .. } => {
+                world.init_resource::<StrainReference>();
+            }
+            Quantity::Grains { moved, .. } if moved > 0.0 => {
+                world.init_resource::<StrainReference>();
+            }
+            Quantity::DilationAngle { .. } => _ = world.init_resource::<StrainPath>(),
+            Quantity::Cracks { .. } => _ = world.init_resource::<CrackSums>(),
+            _ => {}
+        }
     }
 }
 

@@ -37,14 +37,11 @@ pub fn control_groups(world: &mut World, stage: &scene::Load, analysis: &Clastic
             make(world, name, control);
         }
     }
-    let mut groups: Vec<(BodyId, Entity, String)> = world
-        .query::<(&BodyId, Entity, &RigidGroup)>()
-        .iter(world)
-        .map(|(id, entity, group)| (*id, entity, group.name.clone()))
-        .collect();
-    groups.sort_unstable_by_key(|(id, ..)| *id);
-    for (_, entity, name) in groups {
-        set_control(world, entity, stage.rigid.get(&name), analysis);
+    let mut groups = world.query::<(&BodyId, Entity, &RigidGroup)>();
+    let ordered = groups.iter(world).sort_unstable::<&BodyId>();
+    let controls: Vec<_> = ordered.map(|(_, e, of)| (e, stage.rigid.get(&of.name))).collect();
+    for (group, control) in controls {
+        set_control(world, group, control, analysis);
     }
 }
 
@@ -153,12 +150,8 @@ fn chosen(world: &mut World, control: &scene::RigidControl) -> Vec<(BodyId, Enti
 
 /// The walls of these names that are there: every piece of a polyline.
 fn walls_of(world: &mut World, names: &[String]) -> Vec<(BodyId, Entity)> {
-    let mut found = Vec::new();
-    for name in names {
-        let pieces = find_walls(world, name);
-        found.extend(pieces.into_iter().filter_map(|e| Some((*world.get::<BodyId>(e)?, e))));
-    }
-    found
+    let walls: Vec<_> = names.iter().flat_map(|name| find_walls(world, name)).collect();
+    walls.into_iter().filter_map(|wall| Some((*world.get::<BodyId>(wall)?, wall))).collect()
 }
 
 /// Why the rigid groups of a stage cannot be made or controlled; `None` if they can.
@@ -217,19 +210,16 @@ fn moving_pivot(world: &mut World, stage: &scene::Load) -> Option<String> {
         return None;
     }
     let mut groups = world.query::<(&RigidGroup, &BodyDrives)>();
-    let kept = groups
-        .iter(world)
-        .filter(|(group, _)| group.has_pivot && !stage.release.contains(&group.name));
-    let free = |drives: &BodyDrives| drives.0[..2].contains(&BodyDrive::Free);
+    let stays = |group: &RigidGroup| group.has_pivot && !stage.release.contains(&group.name);
     let is_held = |control: &scene::RigidControl| {
         [control.x, control.y].iter().all(|motion| *motion == scene::Motion::Held)
     };
-    let kept = kept.map(|(group, drives)| match stage.rigid.get(&group.name) {
-        Some(control) => (group.name.clone(), is_held(control)),
-        None => (group.name.clone(), !free(drives)),
+    let kept = groups.iter(world).filter(|(group, _)| stays(group)).map(|(group, drives)| {
+        let stood = || !drives.0[..2].contains(&BodyDrive::Free);
+        (&group.name, stage.rigid.get(&group.name).map_or_else(stood, is_held))
     });
     let made = stage.rigid.iter().filter(|(_, control)| control.about.is_some());
-    let made = made.map(|(name, control)| (name.clone(), is_held(control)));
+    let made = made.map(|(name, control)| (name, is_held(control)));
     let (name, _) = kept.chain(made).find(|(_, is_held)| !is_held)?;
     Some(format!(
         "the pivot of the rigid group `{name}` moves in a dynamic stage; hold its x and y, or make \

@@ -15,6 +15,7 @@ use clastic_systems::stepping::EndOfRun;
 
 use super::cement::bond_pairs;
 use super::key_results::{KeyResults, count_bonds};
+use super::laws::material_of;
 use super::minerals::specimen;
 use super::sanity::Sanity;
 use super::script::Script;
@@ -43,20 +44,17 @@ pub fn spawn_scene(world: &mut World, scene: &scene::Scene, stored: Option<&Stor
     }
     let seeds = specimen(scene, stored);
     insert_settings(world, scene, seeds.len() as u32);
-    let names: Vec<&String> = scene.materials.keys().collect();
     let probes: BTreeMap<u32, &String> = scene.probes.iter().map(|(name, i)| (*i, name)).collect();
     for (i, seed) in seeds.iter().enumerate() {
-        let index =
-            seed.material.as_ref().and_then(|m| names.iter().position(|n| *n == m)).unwrap_or(0);
-        let density = scene.materials.get(names[index]).map_or(0.0, |m| m.density);
+        let (material, density) = material_of(scene, seed.material.as_ref());
         let mut entity = world.spawn((
             BodyId(i as u32),
             Particle::disk(seed.radius, density, scene.thickness),
-            BodyPosition(seed.position),
-            BodyOrigin(seed.position),
-            BodyVelocity(seed.velocity),
+            BodyPosition(seed.position.into()),
+            BodyOrigin(seed.position.into()),
+            BodyVelocity(seed.velocity.into()),
             BodyAngularVelocity(seed.angular_velocity),
-            MaterialIndex(index as u32),
+            MaterialIndex(material),
         ));
         if let Some(group) = &seed.group {
             entity.insert(Group(group.clone()));

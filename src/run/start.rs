@@ -13,6 +13,7 @@ use clastic_systems::identities::IdentityTable;
 use clastic_systems::state::StateError;
 use clastic_systems::stepping::ClasticHalted;
 
+use super::laws::material_of;
 use super::membranes;
 use super::settings::insert_settings;
 use super::spawn::begin_script;
@@ -49,12 +50,10 @@ fn restore(
     probes(world, scene);
     walls(world, scene, state, saved);
     world.resource_mut::<WallCatalogue>().rigid.clone_from(&state.rigid);
-    match (scene.output.energy, world.contains_resource::<EnergyLedger>()) {
-        (true, false) => world.insert_resource(EnergyLedger::default()),
-        (false, true) => {
-            world.remove_resource::<EnergyLedger>();
-        }
-        _ => {}
+    if scene.output.energy {
+        world.init_resource::<EnergyLedger>();
+    } else {
+        world.remove_resource::<EnergyLedger>();
     }
     Ok(())
 }
@@ -62,23 +61,14 @@ fn restore(
 /// Gives the particles the materials of the scene, by name, and the masses that follow.
 fn materials(world: &mut World, scene: &Scene, saved: &SavedState) {
     let Specimen::State { materials: renamed, .. } = &scene.specimen else { return };
-    let names: Vec<&String> = scene.materials.keys().collect();
-    let index = |name: &String| {
-        let name = renamed.get(name).unwrap_or(name);
-        names.iter().position(|known| *known == name).unwrap_or(0)
-    };
     let same_thickness = scene.thickness.to_bits() == saved.thickness.to_bits();
     // By index in the state: index in the scene, and the density if masses change.
-    let of: Vec<(u32, Option<f64>)> = saved
-        .materials
-        .iter()
-        .map(|(name, before)| {
-            let index = index(name);
-            let density = names.get(index).map_or(0.0, |name| scene.materials[*name].density);
-            let stays = same_thickness && density.to_bits() == before.to_bits();
-            (index as u32, (!stays).then_some(density))
-        })
-        .collect();
+    let of = saved.materials.iter().map(|(name, before)| {
+        let (index, density) = material_of(scene, Some(renamed.get(name).unwrap_or(name)));
+        let stays = same_thickness && density.to_bits() == before.to_bits();
+        (index, (!stays).then_some(density))
+    });
+    let of: Vec<(u32, Option<f64>)> = of.collect();
     let mut particles = world.query::<(Entity, &Particle, &mut MaterialIndex)>();
     let mut heavier = Vec::new();
     for (entity, particle, mut material) in particles.iter_mut(world) {
@@ -119,13 +109,9 @@ fn walls(world: &mut World, scene: &Scene, state: &StoredState, saved: &SavedSta
         });
         return;
     }
-    let mut there = world.query_filtered::<Entity, With<Wall>>();
-    for wall in there.iter(world).collect::<Vec<_>>() {
-        world.despawn(wall);
-    }
-    let mut membranes = world.query_filtered::<Entity, With<Membrane>>();
-    for membrane in membranes.iter(world).collect::<Vec<_>>() {
-        world.despawn(membrane);
+    let mut there = world.query_filtered::<Entity, Or<(With<Wall>, With<Membrane>)>>();
+    for entity in there.iter(world).collect::<Vec<_>>() {
+        world.despawn(entity);
     }
     for wall in scene.walls.iter().filter(|wall| wall.present) {
         spawn_wall(world, &wall.name);

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::analysis::{AnalysisKind, ClasticAnalysis};
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::attempt::Attempt;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_systems::state::{StateOf, WorldState};
@@ -145,14 +145,11 @@ pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
     let Some(search) = &mut undoable.search else {
         return begin_anew(world, &undoable, name, value);
     };
-    let next = match world.resource::<Attempt>().status {
-        IncrementStatus::Solved | IncrementStatus::Capped => {
-            let Some(made) = tried(world, name, value, undoable.asked) else { return false };
-            search.see(made)
-        }
-        IncrementStatus::Undecided | IncrementStatus::Collapsed => {
-            search.without_last().map_or(Next::GoOn, Next::Repeat)
-        }
+    let next = if world.resource::<Attempt>().status.is_committed() {
+        let Some(made) = tried(world, name, value, undoable.asked) else { return false };
+        search.see(made)
+    } else {
+        search.without_last().map_or(Next::GoOn, Next::Repeat)
     };
     let Next::Repeat(end) = next else { return false };
     if !undo(world, &undoable) {
@@ -187,10 +184,7 @@ pub(super) fn forget_halted(
 
 /// Undoes the increment that has read the measure at the start of the stage.
 fn begin_anew(world: &mut World, undoable: &Undoable, name: &str, value: f64) -> bool {
-    let is_solved = matches!(
-        world.resource::<Attempt>().status,
-        IncrementStatus::Solved | IncrementStatus::Capped
-    );
+    let is_solved = world.resource::<Attempt>().status.is_committed();
     let start = reading(world, name).filter(|_| is_solved);
     let error = error_of(world, name);
     if undo(world, undoable) {

@@ -87,10 +87,8 @@ pub fn find_wall(world: &mut World, name: &str) -> Option<Entity> {
 /// The pieces of the wall with the given name that are there, by identity.
 pub fn find_walls(world: &mut World, name: &str) -> Vec<Entity> {
     let mut walls = world.query::<(Entity, &BodyId, &WallName)>();
-    let named = walls.iter(world).filter(|(.., n)| n.0 == name);
-    let mut found: Vec<_> = named.map(|(e, id, _)| (*id, e)).collect();
-    found.sort_unstable_by_key(|(id, _)| *id);
-    found.into_iter().map(|(_, e)| e).collect()
+    let ordered = walls.iter(world).sort_unstable::<&BodyId>();
+    ordered.filter(|(.., of)| of.0 == name).map(|(wall, ..)| wall).collect()
 }
 
 /// Two walls by name, if both are there.

@@ -38,10 +38,10 @@ pub fn observe_increment(
     };
     results.see_bonds(identities.next().bond as usize);
     let area: f64 = bodies.radii.iter().map(|r| PI * r * r).sum();
-    results.see_motion(match analysis.kind {
+    results.kinetic = match analysis.kind {
         AnalysisKind::Dynamic { .. } => observation.kinetic_energy / (area * analysis.thickness),
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
-    });
+    };
     results.observe(&observation, phase);
 }
 

@@ -62,8 +62,7 @@ pub(super) fn check(at: &mut At) {
     }
     let several = context.materials.len() > 1;
     if let Some(bare) = seeds.iter().find(|seed| several && seed.material.is_none()) {
-        let place: (f64, f64) = bare.position.into();
-        let message = format!("the particle at {place:?} gets no material");
+        let message = format!("the particle at {:?} gets no material", bare.position);
         let names = suggest::list(&context.materials);
         let help = format!("give the specimen a `material`, one of {names}, or select it here");
         at.add("minerals", message, help);
@@ -71,9 +70,8 @@ pub(super) fn check(at: &mut At) {
     if scene.keep.is_some() && at.is_sound("walls") {
         let present = || scene.walls.iter().filter(|wall| wall.present);
         let hidden = seeds.iter().find_map(|seed| {
-            let place = seed.position.into();
-            let wall = present().find(|wall| is_behind(wall, place, seed.radius))?;
-            Some((place, &wall.name))
+            let wall = present().find(|wall| is_behind(wall, seed.position, seed.radius))?;
+            Some((seed.position, &wall.name))
         });
         if let Some((place, wall)) = hidden {
             let message = format!("a particle that is left is behind wall `{wall}` {place:?}");

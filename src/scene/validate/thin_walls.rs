@@ -5,10 +5,9 @@ use glam::DVec2;
 use super::findings::At;
 use super::places::length;
 
-use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
 use crate::scene::diagnostic::MAX_SHOWN;
-use crate::scene::format::{Specimen, Wall, WallShape};
+use crate::scene::format::{Particle, Specimen, Wall, WallShape};
 
 /// Minimum height of the point of an arc above the chord, over the length of the chord: the radius
 /// is then at most 1e5 chords, and the contact with the arc is exact to 1e-11 chords.
@@ -80,12 +79,12 @@ pub(super) fn check(at: &mut At) {
         }
     }
     let cut = seeds.iter().enumerate().filter_map(|(i, seed)| {
-        let cuts = |wall: &Wall| wall.present && is_cut(wall, seed.position, seed.radius);
+        let cuts = |wall: &Wall| wall.present && is_cut(wall, seed.position.into(), seed.radius);
         Some((i, seed, thin().find(|(_, wall)| cuts(wall))?.1))
     });
     for (i, seed, wall) in cut.take(MAX_SHOWN) {
-        let place: (f64, f64) = seed.position.into();
-        let message = format!("wall `{}` cuts through particle {i} at {place:?}", wall.name);
+        let (wall, place) = (&wall.name, seed.position);
+        let message = format!("wall `{wall}` cuts through particle {i} at {place:?}");
         let help = format!(
             "its centre is within {CUT:?} radii of the wall, so that its side is not clear: move it"
         );
@@ -100,7 +99,7 @@ pub(super) fn check(at: &mut At) {
 
 /// A particle touches an arc at one point. On its hollow side it would touch both ends at once if
 /// it were larger than the arc, or larger than the mouth of an arc of more than half a circle.
-fn hollow(at: &mut At, wall: &Wall, seeds: &[ParticleSeed]) {
+fn hollow(at: &mut At, wall: &Wall, seeds: &[Particle]) {
     let Some(piece) = pieces(wall).first().copied() else { return };
     let Some((radius, half_angle)) = piece.shape.circle() else { return };
     let largest = seeds.iter().map(|seed| seed.radius).fold(0.0, f64::max);

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 
-use crate::run::particles::ParticleSeed;
 use crate::scene::format::{Particle, Stage, Wall};
 use crate::scene::spans::join;
 
@@ -105,7 +104,7 @@ pub(super) fn added(at: &mut At) {
     }
     let seeds = context.at_start();
     for (i, wall, stage) in added {
-        let behind = |seed: &ParticleSeed| is_behind(wall, seed.position.into(), seed.radius);
+        let behind = |seed: &Particle| is_behind(wall, seed.position, seed.radius);
         if !seeds.is_empty() && seeds.iter().all(behind) {
             let message = format!(
                 "the whole specimen is behind this wall, which stage `{}` adds",
