@@ -117,8 +117,7 @@ impl FrameTables<'_, '_> {
     }
 
     fn chains(&self) -> FrameMembranes {
-        let mut list: Vec<_> = self.membranes.iter().collect();
-        list.sort_unstable_by(|(a, _), (b, _)| a.name.cmp(&b.name));
+        let list = self.membranes.iter().sort_unstable_by::<&Membrane>(|a, b| a.name.cmp(&b.name));
         let mut columns = FrameMembranes { first_point: vec![0], ..FrameMembranes::default() };
         for (membrane, shape) in list {
             for chain in &shape.chains {

@@ -162,7 +162,7 @@ pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
 
 fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), OutputError> {
     let path = run.path(directory::FRAMES).join(name);
-    write_atomic(&path, frame.encode().map_err(OutputError::at(&path))?)?;
+    write_atomic(&path, frame.tables().encode().map_err(OutputError::at(&path))?)?;
     run.is_fresh(path);
     Ok(())
 }

@@ -100,11 +100,9 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
     if f64::from(new.increments) < state.progress.done {
         return Some("it is under way and has made more increments already");
     }
-    let aims = |target: CellTarget| target != CellTarget::Fixed;
-    let cell = old.cell.as_deref();
-    let cell_moves = cell.is_some_and(|cell| {
+    let cell_moves = old.cell.as_deref().is_some_and(|cell| {
         let all = [cell.xx, cell.yy, cell.shear, cell.mean, cell.difference];
-        all.into_iter().flatten().any(aims)
+        all.into_iter().flatten().any(|target| target != CellTarget::Fixed)
     });
     ((state.ramps || cell_moves || !old.scale.is_default()) && old.increments != new.increments)
         .then_some("it is under way, and a load reaches its target at the end of its `increments`")

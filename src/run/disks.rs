@@ -63,6 +63,12 @@ pub(super) fn radii(world: &mut World) -> Vec<f64> {
     ordered.map(|(_, particle)| particle.radius).collect()
 }
 
+/// Lowest and highest of some points, each with a reach about it, m.
+pub(super) fn ends(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    let spans = points.map(|(at, reach)| (at - reach, at + reach));
+    spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
+}
+
 /// Lower bound on the porosity of disks whose smallest radius is `ratio` times the largest: that of
 /// the triangle between a largest and two smallest disks that touch (Florian 1960, Rend. Circ. Mat.
 /// Palermo 9, 300-312). Of equal disks it is that of the hexagonal packing, 1 - pi/sqrt(12).

@@ -88,10 +88,9 @@ fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<String>
 
 /// The walls that a stage adds: those that come at the outermost particles, or the others.
 fn added(world: &World, stage: &scene::Load, touching: bool) -> Vec<scene::Wall> {
-    let Some(catalogue) = world.get_resource::<WallCatalogue>() else { return Vec::new() };
     let comes =
         |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && wall.touching == touching;
-    catalogue.walls.iter().filter(comes).cloned().collect()
+    world.resource::<WallCatalogue>().walls.iter().filter(comes).cloned().collect()
 }
 
 /// A wall that comes where a particle is. The stage is refused, because the side of the particle from a

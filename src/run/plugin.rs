@@ -13,8 +13,8 @@ use clastic_systems::schedule::{
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, is_due};
 
+use super::compact::{are_growing, grow, keep_radii};
 use super::group_members::{GROUP_MEMBERS, GroupMembers, begin_increment};
-use super::grow::{are_growing, grow, keep_radii};
 use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
 use super::pour::{POURED, pour};
 pub use super::provided::{Provide, Provided};

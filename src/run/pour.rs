@@ -7,7 +7,7 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyOrigin, BodyPosition, BodyVelocity, Group};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::poured::Poured;
 
@@ -43,8 +43,7 @@ pub(super) fn pour(world: &mut World) {
     let progress = world.resource::<ClasticProgress>();
     let Some(Stage::Pour(stage)) = script.stage(progress.stage) else { return };
     let Stream { rate, .. } = stage.stream;
-    let analysis = world.resource::<ClasticAnalysis>();
-    let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
+    let Some(dt) = world.resource::<ClasticAnalysis>().kind.dt() else { return };
     let Some(poured) = world.get_resource::<Poured>() else { return };
     let (time, total) = (progress.time, progress.total);
     // A halved increment brings its grains at its start.
@@ -101,9 +100,7 @@ fn come(rate: Rate, poured: &Poured) -> f64 {
 pub(super) fn came(world: &World, stage: &Stage) -> Option<f64> {
     let Stage::Pour(stage) = stage else { return None };
     let poured = world.get_resource::<Poured>().filter(|poured| poured.waits_since.is_some())?;
-    let AnalysisKind::Dynamic { dt, .. } = world.resource::<ClasticAnalysis>().kind else {
-        return None;
-    };
+    let dt = world.resource::<ClasticAnalysis>().kind.dt()?;
     let (rate, total) = (stage.stream.rate, world.resource::<ClasticProgress>().total);
     Some(come(rate, poured) / rate.due(total, total, dt))
 }

@@ -62,8 +62,7 @@ fn particle(world: &mut World, index: u32) -> Option<Entity> {
 fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
     Some(match measure {
         StrainMeasure::Walls(a, b) => {
-            let [a, b] = find_pair(world, a, b)?;
-            StrainMeasure::Walls(a, b)
+            StrainMeasure::Walls(find_wall(world, a)?, find_wall(world, b)?)
         }
         StrainMeasure::Particles(a, b) => {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
@@ -138,8 +137,7 @@ fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
             length: match length {
                 MeasureLength::Fixed(length) => MeasureLength::Fixed(*length),
                 MeasureLength::Between(a, b) => {
-                    let [a, b] = find_pair(world, a, b)?;
-                    MeasureLength::Between(a, b)
+                    MeasureLength::Between(find_wall(world, a)?, find_wall(world, b)?)
                 }
                 MeasureLength::Membrane(name) => {
                     MeasureLength::Membrane(find_membrane(world, name)?)

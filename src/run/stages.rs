@@ -63,8 +63,7 @@ pub fn change_stages(world: &mut World) {
 /// Why a stage cannot begin.
 fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
-        Stage::Load(load) => load_refusals::refusal(world, load),
-        Stage::Pour(pour) => load_refusals::refusal(world, &pour.load),
+        Stage::Load(_) | Stage::Pour(_) => load_refusals::refusal(world, stage.load()?),
         Stage::Remove(stage) => remove::refusal(world, stage),
         Stage::Compact(stage) => compact::refusal(world, stage),
         Stage::Save(_) => save::refusal(world),

@@ -7,7 +7,7 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::analysis::{AnalysisKind, ClasticAnalysis};
+use clastic_components::analysis::ClasticAnalysis;
 use clastic_components::attempt::Attempt;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
@@ -105,8 +105,7 @@ pub(super) fn keep_state(world: &mut World) {
     }
     // As the attempts do it.
     let whole = done + (2.0 * tried).min(1.0 - done.fract());
-    let is_dynamic =
-        matches!(world.resource::<ClasticAnalysis>().kind, AnalysisKind::Dynamic { .. });
+    let is_dynamic = world.resource::<ClasticAnalysis>().kind.dt().is_some();
     // A static stage reads the equilibrium with which it begins. A dynamic one has none: it reads
     // what the state keeps. Both follow from a saved state, so that a run in two pieces begins the
     // stage as a run in one does.

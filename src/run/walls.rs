@@ -55,12 +55,9 @@ pub fn spawn_wall(world: &mut World, name: &str) {
     let catalogue = world.resource::<WallCatalogue>();
     let Some(index) = catalogue.walls.iter().position(|w| w.name == name) else { return };
     let first = catalogue.first_of(index);
-    let mut wall = catalogue.walls[index].clone();
-    if wall.touching
-        && let Some(placed) = placed(world, &wall)
-    {
-        wall = placed;
-    }
+    let drawn = catalogue.walls[index].clone();
+    let placed = if drawn.touching { placed(world, &drawn) } else { None };
+    let wall = placed.unwrap_or(drawn);
     for (piece, id) in pieces(&wall).into_iter().zip(first..) {
         let mut entity = world.spawn((
             BodyId(id),

@@ -117,10 +117,9 @@ impl KeyResults {
         let after: Vec<&Point> = self.curve[place..].iter().collect();
         let mean = |from: f64, to: f64| mean_over(&after, at.strain, from, to);
         let middle = 0.5 * (begin + end);
-        let (first, second) = (mean(begin, middle), mean(middle, end));
-        let (Some(first), Some(second)) = (first, second) else {
-            return Err("the last fifth of the strain has too few increments");
-        };
+        let too_few = "the last fifth of the strain has too few increments";
+        let first = mean(begin, middle).ok_or(too_few)?;
+        let second = mean(middle, end).ok_or(too_few)?;
         if !((second - first).abs() <= LEVEL * (at.stress - self.start.stress).abs()) {
             return Err(
                 "the stress is not level at the end: its means over the last two tenths of \

@@ -2,7 +2,7 @@
 
 use glam::DVec2;
 
-use crate::run::disks::Disks;
+use crate::run::disks::{Disks, ends};
 use crate::run::minerals::specimen;
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{
@@ -179,9 +179,7 @@ impl Packed {
     fn of(scene: &Scene, seeds: &[Particle], disks: &Disks) -> Option<Self> {
         let Disks { area, largest, .. } = *disks;
         let side = |of: fn(&Particle) -> f64| {
-            let low = seeds.iter().map(|seed| of(seed) - seed.radius).min_by(f64::total_cmp);
-            let high = seeds.iter().map(|seed| of(seed) + seed.radius).max_by(f64::total_cmp);
-            Some(high? - low?)
+            ends(seeds.iter().map(|seed| (of(seed), seed.radius))).map(|(low, high)| high - low)
         };
         if seeds.is_empty() {
             return None;
