@@ -5,8 +5,8 @@
 //! overlap after an increment of any size.
 //!
 //! [By radii](CompactBy::Radii) grains grow (radius expansion): in an increment all radii grow by
-//! the same factor before contacts are detected, and the overlaps that this makes are offsets of the
-//! non-penetration conditions: the smallest motion that obeys them pushes the grains apart. The
+//! the same factor before contacts are detected, and the overlaps that this makes are offsets of
+//! the non-penetration conditions: the smallest motion that obeys them pushes the grains apart. The
 //! factor follows from the current radii and from what is left of the stage, so that radii grow
 //! linearly and nothing has to be remembered between increments.
 

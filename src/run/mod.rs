@@ -11,7 +11,6 @@ pub mod changes;
 pub(crate) mod compact;
 mod cores;
 pub(crate) mod disks;
-mod group_members;
 pub mod key_results;
 mod landing;
 mod laws;

@@ -14,11 +14,11 @@ use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, is_due};
 
 use super::compact::{are_growing, grow, keep_radii};
-use super::group_members::{GROUP_MEMBERS, GroupMembers, begin_increment};
 use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
 use super::pour::{POURED, pour};
 pub use super::provided::{Provide, Provided};
 use super::provided::{has_measures, read_measures};
+use super::resolve_measures::{GROUP_MEMBERS, GroupMembers, select_live_groups};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
 use super::scale::scale;
 use super::script::{Script, StageEnd};
@@ -111,7 +111,7 @@ impl Plugin for ScenePlugin {
                         keep_state.run_if(is_due).run_if(is_on),
                         // Before systems that read the bodies of the increment.
                         pour.run_if(is_due).run_if(resource_exists::<Poured>),
-                        begin_increment.run_if(is_due),
+                        select_live_groups.run_if(is_due),
                         take_down.run_if(is_due),
                     )
                         .chain()

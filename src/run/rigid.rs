@@ -171,8 +171,8 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         let of_another = walls.clone().find_map(|id| taken.iter().find(|taken| taken.0 == id));
         if let Some((BodyId(id), other)) = of_another {
             return Some(format!(
-                "rigid.{name} has a wall (body {id}) of the rigid group `{other}`; release `{other}` in a \
-                 stage before"
+                "rigid.{name} has a wall (body {id}) of the rigid group `{other}`; release \
+                 `{other}` in a stage before"
             ));
         }
         let chosen = chosen(world, control).into_iter();
@@ -183,8 +183,9 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         let of_another = taken.iter().find(|(id, _)| ids.binary_search(id).is_ok());
         if let Some((BodyId(id), other)) = of_another {
             return Some(format!(
-                "rigid.{name} selects particle {id}, which is a member of the rigid group `{other}`; a \
-                 particle belongs to one group: select others, or release `{other}` in a stage before"
+                "rigid.{name} selects particle {id}, which is a member of the rigid group \
+                 `{other}`; a particle belongs to one group: select others, or release `{other}` \
+                 in a stage before"
             ));
         }
         ids.extend(walls);

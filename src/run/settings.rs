@@ -26,8 +26,8 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(scene.acceptance);
     world.insert_resource(Solver(match scene.solver {
         scene::Solver::Condensed => {
-            // A residual below the default needs a solver that aims lower; a larger one is stated by
-            // the program where it may be used.
+            // A residual below the default needs a solver that aims lower; a larger one is stated
+            // by the program where it may be used.
             let mut settings = CondensedSettings::default();
             let wanted = settings.safety * scene.acceptance.residual;
             settings.tolerance = settings.tolerance.min(wanted);

@@ -124,10 +124,8 @@ pub(super) fn keep_state(world: &mut World) {
         }
     };
     let stop = world.resource::<Script>().stop;
-    let asked = match &search {
-        Some(search) => search.first().unwrap_or(whole),
-        None => done + if is_dynamic { READING } else { RESOLUTION },
-    };
+    let reading = if is_dynamic { READING } else { RESOLUTION };
+    let asked = search.as_ref().map_or(done + reading, Search::ahead);
     world.resource_mut::<ClasticProgress>().tried = 0.5 * (asked - done);
     world.insert_resource(Undoable { state, tried, stop, search, asked });
 }

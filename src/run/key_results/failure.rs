@@ -114,8 +114,7 @@ impl KeyResults {
                         below twice the strain at the peak",
             );
         }
-        let after: Vec<&Point> = self.curve[place..].iter().collect();
-        let mean = |from: f64, to: f64| mean_over(&after, at.strain, from, to);
+        let mean = |from: f64, to: f64| mean_over(&self.curve[place..], at.strain, from, to);
         let middle = 0.5 * (begin + end);
         let too_few = "the last fifth of the strain has too few increments";
         let first = mean(begin, middle).ok_or(too_few)?;
@@ -192,7 +191,7 @@ impl KeyResults {
 
 /// Mean of the stress over the strain between two values, by trapezoids. Strains are in units of
 /// `unit`. `None` where no increment lies between.
-fn mean_over(curve: &[&Point], unit: f64, from: f64, to: f64) -> Option<f64> {
+fn mean_over(curve: &[Point], unit: f64, from: f64, to: f64) -> Option<f64> {
     let (mut area, mut width) = (0.0, 0.0);
     for pair in curve.windows(2) {
         let (a, b) = (pair[0].strain / unit, pair[1].strain / unit);
