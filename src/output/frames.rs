@@ -157,7 +157,7 @@ pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
 
 fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), OutputError> {
     let path = run.path(directory::FRAMES).join(name);
-    let bytes = frame.encode().map_err(OutputError::at(&path))?;
+    let bytes = frame.tables().encode().map_err(OutputError::at(&path))?;
     run.write(path, bytes)
 }
 

@@ -82,7 +82,8 @@ fn images(at: &mut At, cell: &Cell) {
         return;
     }
     let seeds = context.at_start();
-    let (places, radii): (Vec<_>, Vec<_>) = seeds.iter().map(|s| (s.position, s.radius)).unzip();
+    let (places, radii): (Vec<_>, Vec<_>) =
+        seeds.iter().map(|s| (DVec2::from(s.position), s.radius)).unzip();
     let periodic = at_start(cell);
     let overlap = |(a, b): (u32, u32)| {
         let (i, j) = (a as usize, b as usize);

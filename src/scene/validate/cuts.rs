@@ -61,15 +61,14 @@ pub(super) fn check(at: &mut At) {
     at.refuse(is_lost, "keep", "no particle is left", help);
     let several = context.materials.len() > 1;
     if let Some(bare) = seeds.iter().find(|seed| several && seed.material.is_none()) {
-        let place: (f64, f64) = bare.position.into();
-        let message = format!("the particle at {place:?} gets no material");
+        let message = format!("the particle at {:?} gets no material", bare.position);
         let names = suggest::list(&context.materials);
         let help = format!("give the specimen a `material`, one of {names}, or select it here");
         at.add("minerals", message, help);
     }
     if scene.keep.is_some() && at.are_sound(&["walls"]) {
         let hidden = seeds.iter().find_map(|seed| {
-            let place = seed.position.into();
+            let place = seed.position;
             Some((place, &walls_before(scene, place, seed.radius).next()?.name))
         });
         if let Some((place, wall)) = hidden {

@@ -31,7 +31,7 @@ use super::format::{Particle, Scene, Specimen, Stage, Wall};
 use super::memory;
 use super::stored_state::{StoredSpecimen, StoredState};
 use crate::run::minerals::specimen as cut_specimen;
-use crate::run::particles::{BOUNDARY, ParticleSeed};
+use crate::run::particles::BOUNDARY;
 use findings::Findings;
 pub(crate) use places::is_behind;
 
@@ -80,7 +80,7 @@ struct Context<'a> {
     /// Number of particles, if known.
     particles: Option<u64>,
     /// The specimen after `minerals` and `keep`, if it has any and its particles are known.
-    seeds: Option<Vec<ParticleSeed>>,
+    seeds: Option<Vec<Particle>>,
 }
 
 impl<'a> Context<'a> {
@@ -152,7 +152,7 @@ impl<'a> Context<'a> {
         listed.chain(stored.map(String::as_str)).chain(is_lattice.then_some(BOUNDARY)).collect()
     }
 
-    fn at_start(&self) -> Vec<ParticleSeed> {
+    fn at_start(&self) -> Vec<Particle> {
         cut_specimen(self.scene, self.specimen)
     }
 }

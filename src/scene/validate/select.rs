@@ -5,9 +5,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use clastic_components::domain;
 use glam::DVec2;
 
-use crate::run::particles::ParticleSeed;
 use crate::run::select::{Candidate, selects};
-use crate::scene::format::{Select, Specimen, Stage};
+use crate::scene::format::{Particle, Select, Specimen, Stage};
 use crate::scene::spans::join;
 
 use super::Context;
@@ -181,10 +180,10 @@ pub(super) fn regions(at: &mut At) {
     let probes: BTreeMap<u32, &str> =
         scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();
     for (entry, select) in by_place(stage, &scene.groups) {
-        let has = |(seed, index): (&ParticleSeed, u32)| {
+        let has = |(seed, index): (&Particle, u32)| {
             let of = Candidate {
                 index,
-                place: seed.position,
+                place: seed.position.into(),
                 material: seed.material.as_deref().or(only.copied()),
                 group: seed.group.as_deref(),
                 probe: seed.probe.as_deref().or(probes.get(&index).copied()),
@@ -224,8 +223,8 @@ fn by_place<'a>(
 }
 
 /// What to give instead, with the range of the centres.
-fn bounds(what: &str, seeds: &[ParticleSeed]) -> String {
-    let centres = || seeds.iter().map(|seed| seed.position);
+fn bounds(what: &str, seeds: &[Particle]) -> String {
+    let centres = || seeds.iter().map(|seed| DVec2::from(seed.position));
     let (Some(low), Some(high)) = (centres().reduce(DVec2::min), centres().reduce(DVec2::max))
     else {
         return "the specimen has no particles".to_owned();

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
 use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Particle, Specimen, Stage, Wall, WallShape};
@@ -107,7 +106,7 @@ pub(super) fn added(at: &mut At) {
     }
     let seeds = context.at_start();
     for (i, wall, stage) in added {
-        let behind = |seed: &ParticleSeed| is_behind(wall, seed.position.into(), seed.radius);
+        let behind = |seed: &Particle| is_behind(wall, seed.position, seed.radius);
         let is_behind = !seeds.is_empty() && seeds.iter().all(behind);
         let message =
             format!("the whole specimen is behind this wall, which stage `{}` adds", stage.name);
@@ -178,12 +177,12 @@ pub(super) fn beside_thin(at: &mut At) {
         }
     }
     let cut = seeds.iter().enumerate().filter_map(|(i, seed)| {
-        let cuts = |wall: &Wall| wall.present && is_cut(wall, seed.position, seed.radius);
+        let cuts = |wall: &Wall| wall.present && is_cut(wall, seed.position.into(), seed.radius);
         Some((i, seed, thin().find(|(_, wall)| cuts(wall))?.1))
     });
     for (i, seed, wall) in cut.take(MAX_SHOWN) {
-        let place: (f64, f64) = seed.position.into();
-        let message = format!("wall `{}` cuts through particle {i} at {place:?}", wall.name);
+        let (wall, place) = (&wall.name, seed.position);
+        let message = format!("wall `{wall}` cuts through particle {i} at {place:?}");
         let help = format!(
             "its centre is within {CUT:?} radii of the wall, so that its side is not clear: move it"
         );
@@ -198,7 +197,7 @@ pub(super) fn beside_thin(at: &mut At) {
 
 /// A particle touches an arc at one point. On its hollow side it would touch both ends at once if
 /// it were larger than the arc, or larger than the mouth of an arc of more than half a circle.
-fn hollow(at: &mut At, wall: &Wall, seeds: &[ParticleSeed]) {
+fn hollow(at: &mut At, wall: &Wall, seeds: &[Particle]) {
     let Some(piece) = pieces(wall).first().copied() else { return };
     let Some((radius, half_angle)) = piece.shape.circle() else { return };
     let largest = seeds.iter().map(|seed| seed.radius).fold(0.0, f64::max);
