@@ -94,10 +94,8 @@ pub(super) fn polish(
         if best <= settings.residual {
             return;
         }
-        match low.corrected(&active, &point) {
-            Some(next) => active = next,
-            None => return,
-        }
+        let Some(next) = low.corrected(&active, &point) else { return };
+        active = next;
     }
 }
 

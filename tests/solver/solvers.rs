@@ -3,7 +3,7 @@
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::Condensed;
-use clastic::cone::condensed::interior::{self, End, Interior};
+use clastic::cone::condensed::interior::{self, Interior};
 use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::condensed::scaled::Scaled;
 use clastic::cone::condensed::settings::InteriorSettings;
@@ -298,11 +298,11 @@ fn the_first_point_that_is_enough_ends_the_interior_point() {
                 interior::solve(&scaled, &mut matrix, &start, None, &settings, goal, &judge)
             };
             let (found, exact) = end(interior::Goal::exact(1e-11), 1e-6);
-            if found != End::Solved || !(exact.merit <= 1e-11) {
+            if found != SolveStatus::Solved || !(exact.merit <= 1e-11) {
                 continue;
             }
             let (found, first) = end(interior::Goal::enough(1e-11), 1e-6);
-            assert!(found == End::Solved && first.merit <= 1e-6, "{:e}", first.merit);
+            assert!(found == SolveStatus::Solved && first.merit <= 1e-6, "{:e}", first.merit);
             let (_, refused) = end(interior::Goal::enough(1e-11), 1e-11);
             assert!(refused.iterations >= first.iterations && refused.merit <= 1e-11);
             saved += exact.iterations - first.iterations;

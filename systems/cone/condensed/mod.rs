@@ -149,12 +149,7 @@ impl Condensed {
                 let start: Vec<_> = part.bodies.iter().map(|i| self.last[*i]).collect();
                 part.expand(program, self.solve_part(&part.program, tolerance, &start))
             }
-            None => {
-                let start = std::mem::take(&mut self.last);
-                let solution = self.solve_part(program, tolerance, &start);
-                self.last = start;
-                solution
-            }
+            None => self.solve_part(program, tolerance, &self.last.clone()),
         }
     }
 

@@ -74,10 +74,8 @@ fn stiffness(
     k: usize,
 ) -> [[f64; 3]; 3] {
     let (c, f) = (&program.interactions[k], &solution.forces[k]);
-    let slides = c.limits.slides(f);
-    let rolls = c.limits.rolls(f);
     let mut d = [[0.0; 3]; 3];
-    for (i, gives_way) in [false, slides, rolls].into_iter().enumerate() {
+    for (i, gives_way) in [false, c.limits.slides(f), c.limits.rolls(f)].into_iter().enumerate() {
         if local.has[i] && !gives_way {
             d[i][i] = local.compliance[i].max(MIN_COMPLIANCE).recip();
         }

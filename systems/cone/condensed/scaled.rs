@@ -91,6 +91,14 @@ pub fn first<const N: usize>(x: &[f64]) -> [f64; N] {
     std::array::from_fn(|k| x[k])
 }
 
+/// Adds `factor` times other numbers to these.
+#[inline]
+pub fn add_times(x: &mut [f64], factor: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += factor * y;
+    }
+}
+
 /// One interaction.
 #[derive(Clone, Debug)]
 pub struct Local {

@@ -5,7 +5,7 @@ use crate::program::ConeProgram;
 
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
-use super::super::condensed::scaled::Scaled;
+use super::super::condensed::scaled::{Scaled, add_times};
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
 
@@ -25,16 +25,11 @@ impl Vector {
 
     /// Adds `factor` times another vector.
     pub fn add(&mut self, factor: f64, other: &Self) {
-        let add = |x: &mut [f64], y: &[f64]| {
-            for (x, y) in x.iter_mut().zip(y) {
-                *x += factor * y;
-            }
-        };
-        add(self.u.as_flattened_mut(), other.u.as_flattened());
+        add_times(self.u.as_flattened_mut(), factor, other.u.as_flattened());
         for (x, y) in self.cells.iter_mut().zip(&other.cells) {
-            add(&mut x.s, &y.s);
-            add(&mut x.w, &y.w);
-            add(&mut x.l, &y.l);
+            add_times(&mut x.s, factor, &y.s);
+            add_times(&mut x.w, factor, &y.w);
+            add_times(&mut x.l, factor, &y.l);
         }
     }
 }

@@ -7,7 +7,7 @@ use super::groups::Groups;
 use super::point::{Interior, Warm, max_magnitude, part_of_way};
 use crate::condensed::MIN_FORCE;
 use crate::condensed::matrix::BodyMatrix;
-use crate::condensed::scaled::{Local, Scaled};
+use crate::condensed::scaled::{Local, Scaled, add_times};
 use crate::condensed::settings::InteriorSettings;
 
 /// Minimum of k at the start, force times displacement: a start without products is no reason to
@@ -205,8 +205,7 @@ impl<'a> Iteration<'a> {
 
     /// Copies the point.
     pub fn store(&mut self, point: &mut Interior) {
-        point.u.clear();
-        point.u.extend_from_slice(&self.u[..self.program.free.len()]);
+        point.u.copy_from_slice(&self.u[..self.program.free.len()]);
         point.merit = self.merit();
         for cells in self.groups.all() {
             for_each!(cell of cells => cell.store(&mut point.s, &mut point.lambda));
@@ -225,8 +224,7 @@ impl<'a> Iteration<'a> {
 
     /// Copies the last step of the point, displacements and forces.
     pub fn store_step(&mut self, point: &mut Interior) {
-        point.u.clear();
-        point.u.extend_from_slice(&self.du[..self.program.free.len()]);
+        point.u.copy_from_slice(&self.du[..self.program.free.len()]);
         for cells in self.groups.all() {
             for_each!(cell of cells => cell.store_steps(&mut point.s));
         }
@@ -268,10 +266,9 @@ impl<'a> Iteration<'a> {
         if !self.is_embedded {
             // Both responses have the same factor: one solve serves their sum.
             let [of_residuals, of_products, _] = rights;
-            for (sum, of_products) in of_residuals.iter_mut().zip(of_products) {
-                for k in 0..3 {
-                    sum[k] += std::mem::take(&mut of_products[k]);
-                }
+            let of_products = of_products.as_flattened_mut();
+            for (sum, product) in of_residuals.as_flattened_mut().iter_mut().zip(of_products) {
+                *sum += std::mem::take(product);
             }
         }
         a.clone_from(&rights[0]);
@@ -312,7 +309,7 @@ impl<'a> Iteration<'a> {
     /// Looks ahead along the predictor, which takes all residuals and products away. Returns the
     /// product that the corrector aims at, `mu (mu_p/mu)^3` with mu the mean product now and mu_p
     /// that after the predictor (Mehrotra 1992), and the second-order product of tau and kappa.
-    pub fn predict(&mut self) -> (f64, f64) {
+    fn predict(&mut self) -> (f64, f64) {
         let rho = self.growth(self.k, 0.0);
         let dk = -self.k - self.k * rho;
         let Self { groups, responses: [a, ..], is_embedded, .. } = self;
@@ -332,7 +329,8 @@ impl<'a> Iteration<'a> {
 
     /// Solves for the corrector, and moves the point along the whole step, up to a part of the
     /// distance to the boundary. Returns whether the step is a number.
-    pub fn correct(&mut self, target: f64, of_tau: f64) -> bool {
+    pub fn correct(&mut self) -> bool {
+        let (target, of_tau) = self.predict();
         let right = &mut self.rights[2];
         right.fill([0.0; 3]);
         self.groups.scatter(right, |cells, right| {
@@ -354,10 +352,7 @@ impl<'a> Iteration<'a> {
         sum(&self.rights, &mut self.right);
         sum(&self.responses, &mut self.du);
         self.refine();
-        let Self { groups, du, .. } = self;
-        let mut ahead = groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, parts, rho, ahead));
-        });
+        let mut ahead = self.set_step(parts, rho);
         if self.is_embedded {
             ahead.take(1.0, self.k, rho, dk);
         }
@@ -390,13 +385,18 @@ impl<'a> Iteration<'a> {
             return false;
         }
         self.refine();
-        let Self { groups, du, .. } = self;
-        groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, [1.0; 2], 0.0, ahead));
-        });
+        self.set_step([1.0; 2], 0.0);
         let is_finite = self.make_step(1.0, 0.0, 0.0);
         self.update_residuals();
         is_finite && self.is_finite()
+    }
+
+    /// Computes the whole step of the interactions from that of the bodies.
+    fn set_step(&mut self, parts: [f64; 2], rho: f64) -> Ahead {
+        let Self { groups, du, .. } = self;
+        groups.sum(Ahead::default(), |cells, ahead| {
+            for_each!(cell of cells => cell.set_step(du, parts, rho, ahead));
+        })
     }
 
     /// The steps of tau, over tau, and of k that belong to the corrector.
@@ -422,11 +422,7 @@ impl<'a> Iteration<'a> {
         let step = if reaches { to_boundary * part } else { 1.0 };
         let growth = 1.0 + step * rho;
         self.length = step / growth;
-        for (u, du) in self.u.iter_mut().zip(&self.du) {
-            for k in 0..3 {
-                u[k] += self.length * du[k];
-            }
-        }
+        add_times(self.u.as_flattened_mut(), self.length, self.du.as_flattened());
         self.program.images.spread(&mut self.u);
         self.tau *= growth;
         self.k = (self.k + step * dk) / growth;

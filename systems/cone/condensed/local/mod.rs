@@ -81,13 +81,9 @@ impl<'a> Elimination<'a> {
 
     /// Eliminates bodies before the next step where that pays; whether any moved.
     pub fn move_bodies<S: Elastic<F>, const F: usize>(&mut self, point: &mut Point<S, F>) -> bool {
-        let is_first = !std::mem::replace(&mut self.is_done, true);
-        let is_short = self.last_length < self.settings.short_step;
-        let moved = is_first && (is_short || !self.fast.is_empty()) && self.eliminate(point);
-        if !moved {
-            self.is_done = false;
-        }
-        moved
+        let pays = self.last_length < self.settings.short_step || !self.fast.is_empty();
+        self.is_done = !self.is_done && pays && self.eliminate(point);
+        self.is_done
     }
 
     /// Leaves fast bodies out of a step after its line search where that makes it longer.

@@ -1,6 +1,8 @@
 //! The order of elimination, approximate minimum degree on the graph of bodies and interactions; the
 //! order of the fronts, children before parents and task by task; and a place for all their numbers.
 
+use std::iter::repeat_n;
+
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};
 use super::merge::{Group, columns, merge};
@@ -21,24 +23,18 @@ pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> (Fronts, Vec<PairPlace>)
     let neighbours = Adjacency::of_neighbours(bodies, pairs);
     let mut fronts = fronts(&minimum_degree(&neighbours), &neighbours);
     let place = places(&fronts.order);
-    let mut of_place = vec![(0, 0); bodies];
-    for (task, of_task) in fronts.tasks.iter().enumerate() {
-        for number in of_task.fronts.clone() {
-            let pivots = fronts.list[number].pivots.clone();
-            of_place[of_task.places.start..][pivots].fill((number, task));
-        }
-    }
-    let bodies = |(a, b): &(u32, u32)| [*a, *b].map(|i| place[i as usize]);
+    let pivots = fronts.list.iter().map(|front| front.pivots.len()).enumerate();
+    let of_place: Vec<usize> = pivots.flat_map(|(front, pivots)| repeat_n(front, pivots)).collect();
     let front = |[a, b]: [usize; 2]| of_place[a.min(b)];
+    let bodies = |(a, b): &(u32, u32)| [*a, *b].map(|i| place[i as usize]);
     let mut of_pair: Vec<PairPlace> =
         pairs.iter().map(|pair| PairPlace { place: 0, bodies: bodies(pair) }).collect();
-    let numbered = of_pair.iter().enumerate().map(|(k, pair)| (front(pair.bodies).0, k));
+    let numbered = of_pair.iter().enumerate().map(|(k, pair)| (front(pair.bodies), k));
     let of_fronts = Adjacency::collect(fronts.list.len(), numbered);
     for (place, &number) in of_fronts.entries().iter().enumerate() {
         let pair = &mut of_pair[number];
         pair.place = place;
-        let (front, task) = front(pair.bodies);
-        let mut rows = fronts.in_front(&fronts.tasks[task], &fronts.list[front], pair.bodies);
+        let mut rows = fronts.in_front(front(pair.bodies), pair.bodies);
         rows.sort_unstable();
         fronts.pairs.push(rows.map(|row| row as u32));
     }

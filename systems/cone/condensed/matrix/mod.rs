@@ -31,7 +31,7 @@ pub(crate) use self::lu::Lu;
 use super::images::{self, Images};
 use super::interior::max_magnitude;
 use super::parallel::{in_pool, split};
-use super::scaled::Scaled;
+use super::scaled::{Scaled, add_times};
 use crate::program::ConeProgram;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
@@ -225,9 +225,7 @@ impl<A: Arithmetic> Matrix<A> {
             }
             last = now;
             self.solve(defect);
-            for (x, d) in x.as_flattened_mut().iter_mut().zip(defect.as_flattened()) {
-                *x += d;
-            }
+            add_times(x.as_flattened_mut(), 1.0, defect.as_flattened());
         }
     }
 }
@@ -257,21 +255,17 @@ impl BodyMatrix {
     /// round-off has cost the matrix its positive definiteness.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_shifted_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
-        if self.factorise_and_solve(x) {
-            return true;
-        }
         let maximum = self.max_diagonal();
-        for shift in SHIFTS {
+        let mut shifts = SHIFTS.into_iter();
+        while !self.factorise_and_solve(x) {
+            let Some(shift) = shifts.next() else { return false };
             for block in &mut self.bodies {
                 for k in Cholesky::DIAGONAL {
                     block[k] += shift * maximum;
                 }
             }
-            if self.factorise_and_solve(x) {
-                return true;
-            }
         }
-        false
+        true
     }
 }
 
