@@ -1,5 +1,6 @@
 //! A cone program and its solution as JSON, so that other solvers can check them.
 
+use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
 use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, ProgramCell, Scales};
@@ -62,17 +63,6 @@ pub struct Dump {
     pub program: ConeProgram,
     /// Its solution.
     pub solution: ConeSolution,
-}
-
-/// The reason why a text is no dump.
-#[derive(Debug, thiserror::Error)]
-pub enum DumpError {
-    /// It is not of this form, or has a number that is not finite.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-    /// It is of another version.
-    #[error("not a dump of version 1")]
-    Version,
 }
 
 /// The dump as it is written.
@@ -156,10 +146,10 @@ pub fn to_json(
 ///
 /// # Errors
 /// Where the text is no dump of this version, or has a number that is not finite.
-pub fn from_json(text: &str) -> Result<Dump, DumpError> {
+pub fn from_json(text: &str) -> Result<Dump, serde_json::Error> {
     let written: Written = serde_json::from_str(text)?;
     if !written.format.starts_with(READ) {
-        return Err(DumpError::Version);
+        return Err(serde_json::Error::custom("not a dump of version 1"));
     }
     Ok(Dump {
         increment: written.increment,

@@ -85,11 +85,8 @@ pub(super) fn polish(
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;
-            solution.message = format!(
-                "{}, polished {}",
-                solution.message.split(',').next().unwrap_or_default(),
-                pass + 1
-            );
+            let message = solution.message.split(',').next().unwrap_or_default();
+            solution.message = format!("{message}, polished {}", pass + 1);
         }
         if best <= settings.residual {
             return;

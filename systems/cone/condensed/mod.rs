@@ -32,7 +32,7 @@ pub mod sweeps;
 
 use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
-use self::matrix::{Cholesky, Kept};
+use self::matrix::BodyMatrix;
 use self::posed::{Demand, Posed};
 use self::reduced::Reduced;
 use self::scaled::forces_in_units;
@@ -51,7 +51,7 @@ const MIN_FORCE: f64 = 1e-3;
 #[derive(Default)]
 pub struct Condensed {
     settings: CondensedSettings,
-    matrix: Kept<Cholesky>,
+    matrix: BodyMatrix,
     /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
 }
@@ -168,8 +168,7 @@ impl Condensed {
         if let Some(solution) = swept.take_if(|s| s.status == SolveStatus::Solved) {
             return solution;
         }
-        let matrix = self.matrix.of(program);
-        let mut posed = Posed::new(program, &self.settings, matrix, demand);
+        let mut posed = Posed::new(program, &self.settings, &mut self.matrix, demand);
         if let Some(swept) = swept {
             let solution = posed.interior_after(&swept);
             if solution.status == SolveStatus::Solved {
@@ -200,10 +199,9 @@ impl Condensed {
 /// Elastic interactions carry them at zero displacement, so that only the balance is violated
 /// there. Forces of rigid interactions need not be unique.
 fn is_elastic_step(program: &ConeProgram, demand: Demand) -> bool {
-    let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
     demand.loose
         && !program.last_forces.is_empty()
         && !program.is_dynamic()
         && program.is_damped()
-        && is_elastic()
+        && program.interactions.iter().all(|c| c.normal_compliance > 0.0)
 }

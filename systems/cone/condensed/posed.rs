@@ -59,13 +59,13 @@ pub struct Posed<'a> {
 }
 
 impl<'a> Posed<'a> {
-    /// The program posed for a matrix that has its pattern.
     pub fn new(
         program: &'a ConeProgram,
         settings: &'a CondensedSettings,
         matrix: &'a mut BodyMatrix,
         demand: Demand,
     ) -> Self {
+        let scaled = matrix.pose(program);
         let units = Units {
             program,
             order: matrix.order().to_vec(),
@@ -73,7 +73,7 @@ impl<'a> Posed<'a> {
             is_held: program.is_damped(),
             is_elastic: program.interactions.iter().all(|c| c.normal_compliance > 0.0),
         };
-        Self { scaled: matrix.pose(program), settings, matrix, units, iterations: 0 }
+        Self { settings, matrix, units, iterations: 0, scaled }
     }
 
     /// Displacements as a start, in units and order of the matrix; zero for bodies that are too

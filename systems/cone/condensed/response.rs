@@ -4,7 +4,7 @@
 //! and one that slides has none along itself. A rigid contact has a small compliance, so that one
 //! matrix serves all programs.
 
-use super::matrix::{Cholesky, Kept};
+use super::matrix::BodyMatrix;
 use super::scaled::Local;
 use crate::program::{ConeProgram, ConeSolution};
 use crate::residuals::Carrying;
@@ -16,7 +16,7 @@ const MIN_STIFFNESS: f64 = 1e-12;
 
 /// The matrix of the last program, kept while its pairs stay.
 #[derive(Default)]
-pub struct LinearResponse(Kept<Cholesky>);
+pub struct LinearResponse(BodyMatrix);
 
 impl LinearResponse {
     /// Displacements, m and rad, by body in its own axes, that balance the `loads`, N and N m, by
@@ -29,9 +29,9 @@ impl LinearResponse {
         loads: &[[f64; 3]],
         misfits: &[[f64; 2]],
     ) -> Option<Vec<[f64; 3]>> {
-        let matrix = self.0.of(program);
-        let order = matrix.order().to_vec();
+        let matrix = &mut self.0;
         let scaled = matrix.pose(program);
+        let order = matrix.order().to_vec();
         let (du, df) = program.scales.units();
         let carrying = Carrying::new(program, solution);
         let mut x = vec![[0.0; 3]; scaled.places()];

@@ -334,17 +334,15 @@ impl Scaled {
         out
     }
 
+    /// Body and direction of all free degrees of freedom.
+    pub fn all_free(&self) -> impl Iterator<Item = (usize, usize)> {
+        let bodies = self.free.iter().enumerate();
+        bodies.flat_map(|(i, free)| (0..3).filter(|k| free[*k]).map(move |k| (i, k)))
+    }
+
     /// Sum of `term` of body and direction over all free degrees of freedom.
     pub fn sum_of_free(&self, term: impl Fn(usize, usize) -> f64) -> f64 {
-        let mut sum = 0.0;
-        for (i, free) in self.free.iter().enumerate() {
-            for k in 0..3 {
-                if free[k] {
-                    sum += term(i, k);
-                }
-            }
-        }
-        sum
+        self.all_free().fold(0.0, |sum, (i, k)| sum + term(i, k))
     }
 
     /// Sets the entries of fixed degrees of freedom to zero.
@@ -359,15 +357,9 @@ impl Scaled {
     /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
     /// interactions.
     pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
-        out[self.free.len()..].fill([0.0; 3]);
-        for (i, out) in out[..self.free.len()].iter_mut().enumerate() {
-            for k in 0..3 {
-                out[k] = if self.free[i][k] {
-                    self.weight[i][k] * u[i][k] - self.right[i][k]
-                } else {
-                    0.0
-                };
-            }
+        out.fill([0.0; 3]);
+        for (i, k) in self.all_free() {
+            out[i][k] = self.weight[i][k] * u[i][k] - self.right[i][k];
         }
     }
 }

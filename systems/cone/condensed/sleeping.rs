@@ -63,9 +63,7 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
         return None;
     }
     wake_neighbours(program, &free, &mut rests);
-    let all = (0..rests.len()).all(|i| rests[i] == free[i]);
-    let any = rests.contains(&true);
-    (any && (known_rest || !all)).then_some(rests)
+    (rests.contains(&true) && (known_rest || rests != free)).then_some(rests)
 }
 
 /// Wakes all bodies of every cluster with a body that is awake.

@@ -22,9 +22,7 @@ pub struct Spring {
     stiffness: [f64; 2],
     /// Kinematics at which there is no force.
     linear: [f64; 2],
-    /// Coefficient of friction.
     friction: f64,
-    /// Cohesion.
     cohesion: f64,
     /// Tensile strength; infinite where the limits of the shear force imply it.
     tension: f64,

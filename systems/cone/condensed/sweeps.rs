@@ -220,22 +220,15 @@ impl<const F: usize> Contact<F> {
     #[inline]
     fn relax(&self, law: SlidingLaw, s: &mut [f64; F], u: &mut [[f64; 3]]) {
         let e = self.arms.kinematics(u);
-        let mut trial = [0.0; F];
-        for f in 0..F {
-            let left = e[f] - self.linear[f] - self.compliance[f] * s[f];
-            trial[f] = s[f] + self.stiffness[f] * left;
-        }
+        let trial: [f64; F] = std::array::from_fn(|f| {
+            s[f] + self.stiffness[f] * (e[f] - self.linear[f] - self.compliance[f] * s[f])
+        });
         let new = match law {
             SlidingLaw::Coulomb => self.within(&trial),
             SlidingLaw::Associated => self.project(&trial),
         };
-        let mut change = [0.0; F];
-        let mut any = false;
-        for f in 0..F {
-            change[f] = new[f] - s[f];
-            any |= change[f] != 0.0;
-        }
-        if any {
+        let change: [f64; F] = std::array::from_fn(|f| new[f] - s[f]);
+        if change != [0.0; F] {
             *s = new;
             self.arms.add_forces(&change, -1.0, u);
         }

@@ -3,7 +3,7 @@
 use crate::program::{Interaction, SlidingLaw};
 
 use super::super::condensed::interior::slack;
-use super::super::condensed::scaled::{Arms, Local};
+use super::super::condensed::scaled::Local;
 
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
 pub const LIMITS: usize = 5;
@@ -19,15 +19,7 @@ pub const LIMITS: usize = 5;
 /// w lambda = 0,   w >= 0,   lambda >= 0
 /// ```
 pub struct Cell {
-    pub arms: Arms<3>,
-    pub compliance: [f64; 3],
-    linear: [f64; 3],
-    /// mu and m.
-    slopes: [f64; 2],
-    /// f_t, c and m_0.
-    strengths: [f64; 3],
-    /// Which limits exist.
-    on: [bool; LIMITS],
+    pub local: Local,
     dilation: f64,
     /// Compliances that regularise the matrix and are no part of the law.
     pub soft: [f64; 3],
@@ -57,55 +49,53 @@ pub struct Linear {
 impl Cell {
     /// The law of an interaction.
     pub fn new(local: &Local, c: &Interaction) -> Self {
-        let [_, shear, rolling] = local.has;
-        Self {
-            arms: local.arms,
-            compliance: local.compliance,
-            linear: local.linear,
-            slopes: local.slopes,
-            strengths: local.strengths,
-            on: [true, shear, shear, rolling, rolling],
-            dilation: SlidingLaw::Coulomb.dilation(c),
-            soft: [0.0; 3],
-        }
+        let dilation = SlidingLaw::Coulomb.dilation(c);
+        Self { local: local.clone(), dilation, soft: [0.0; 3] }
     }
 
     /// The numbers of its limits.
     pub fn each_limit(&self) -> impl Iterator<Item = usize> {
-        (0..LIMITS).filter(|q| self.on[*q])
+        (0..LIMITS).filter(|q| self.local.has[q.div_ceil(2)])
     }
 
     /// The part of the strengths that forces use up: the slacks are `strength - of_limits(s)`.
     #[inline]
     fn of_limits(&self, s: &[f64; 3]) -> [f64; LIMITS] {
-        let ([p, q, tau], [mu, m]) = (*s, self.slopes);
+        let ([p, q, tau], [mu, m]) = (*s, self.local.slopes);
         [-p, q - mu * p, -q - mu * p, tau - m * p, -tau - m * p]
     }
 
     #[inline]
     fn strength(&self, q: usize) -> f64 {
-        self.strengths[q.div_ceil(2)]
+        self.local.strengths[q.div_ceil(2)]
     }
 
     /// Clamps forces to their limits, the normal force first.
     pub fn clamp(&self, s: &[f64; 3]) -> [f64; 3] {
-        let [f_t, ..] = self.strengths;
-        let mut p = s[0].max(-f_t);
-        for k in (0..2).filter(|k| self.slopes[*k] > 0.0) {
-            p = p.max(-self.strengths[k + 1] / self.slopes[k]);
+        let Local { has, slopes, strengths, .. } = &self.local;
+        let mut p = s[0].max(-strengths[0]);
+        for k in (0..2).filter(|k| slopes[*k] > 0.0) {
+            p = p.max(-strengths[k + 1] / slopes[k]);
         }
         let within = |k: usize| {
-            let most = (self.strengths[k + 1] + self.slopes[k] * p).max(0.0);
-            if self.on[2 * k + 1] { s[k + 1].clamp(-most, most) } else { 0.0 }
+            let most = (strengths[k + 1] + slopes[k] * p).max(0.0);
+            if has[k + 1] { s[k + 1].clamp(-most, most) } else { 0.0 }
         };
         [p, within(0), within(1)]
     }
 
+    /// Opening of the gap by slips and rotations of these magnitudes.
+    #[inline]
+    fn opening(&self, slip: f64, rotation: f64) -> f64 {
+        let [mu, m] = self.local.slopes;
+        self.dilation * (mu * slip + m * rotation)
+    }
+
     /// Slacks and multipliers near those of the forces and kinematics, with all products `product`.
     pub fn near(&self, s: [f64; 3], e: &[f64; 3], product: f64) -> Entry {
-        let [st, sr] = [1, 2].map(|f| e[f] - self.linear[f] - self.compliance[f] * s[f]);
-        let opening = self.slopes[0] * st.abs() + self.slopes[1] * sr.abs();
-        let sn = self.linear[0] + self.compliance[0] * s[0] - e[0] - self.dilation * opening;
+        let Local { linear, compliance, .. } = &self.local;
+        let [st, sr] = [1, 2].map(|f| e[f] - linear[f] - compliance[f] * s[f]);
+        let sn = linear[0] + compliance[0] * s[0] - e[0] - self.opening(st.abs(), sr.abs());
         let raw = [sn, st.max(0.0), (-st).max(0.0), sr.max(0.0), (-sr).max(0.0)];
         let taken = self.of_limits(&s);
         let mut out = Entry { s, w: [1.0; LIMITS], l: [0.0; LIMITS] };
@@ -120,10 +110,10 @@ impl Cell {
     #[inline]
     pub fn residual(&self, x: &Entry, e: &[f64; 3]) -> Entry {
         let [n, plus, minus, roll_plus, roll_minus] = x.l;
-        let dilates = self.slopes[0] * (plus + minus) + self.slopes[1] * (roll_plus + roll_minus);
-        let elastic = [0, 1, 2].map(|f| self.linear[f] + self.compliance[f] * x.s[f] - e[f]);
+        let Local { linear, compliance, .. } = &self.local;
+        let elastic = [0, 1, 2].map(|f| linear[f] + compliance[f] * x.s[f] - e[f]);
         let s = [
-            elastic[0] - n - self.dilation * dilates,
+            elastic[0] - n - self.opening(plus + minus, roll_plus + roll_minus),
             elastic[1] + plus - minus,
             elastic[2] + roll_plus - roll_minus,
         ];
@@ -144,22 +134,22 @@ impl Cell {
         for q in self.each_limit() {
             theta[q] = x.l[q] / x.w[q];
         }
-        let a = self.dilation;
+        let (Local { has, slopes, .. }, a) = (&self.local, self.dilation);
         let mut own = [0.0; 3];
         let (mut left, mut right) = ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        let mut sum = self.compliance[0] + self.soft[0] + theta[0];
+        let mut sum = self.local.compliance[0] + self.soft[0] + theta[0];
         for (k, force) in [(0, 1), (1, 2)] {
-            if !self.on[2 * k + 1] {
+            if !has[force] {
                 continue;
             }
             let [plus, minus] = [theta[2 * k + 1], theta[2 * k + 2]];
-            let compliance = self.soft[force] + self.compliance[force];
+            let compliance = self.soft[force] + self.local.compliance[force];
             let flexibility = 1.0 / (compliance + plus + minus);
-            let lean = self.slopes[k] * (plus - minus) * flexibility;
+            let lean = slopes[k] * (plus - minus) * flexibility;
             own[force] = flexibility;
             left[force] = lean;
             right[force] = a * lean;
-            let square = self.slopes[k] * self.slopes[k];
+            let square = slopes[k] * slopes[k];
             sum += a * square * (4.0 * plus * minus + compliance * (plus + minus)) * flexibility;
         }
         let mut stiffness = [[0.0; 3]; 3];
@@ -180,8 +170,7 @@ impl Cell {
         for q in self.each_limit() {
             h[q] = (x.l[q] * r.w[q] - r.l[q]) / x.w[q];
         }
-        let dilates = self.slopes[0] * (h[1] + h[2]) + self.slopes[1] * (h[3] + h[4]);
-        let normal = -r.s[0] + h[0] + self.dilation * dilates;
+        let normal = -r.s[0] + h[0] + self.opening(h[1] + h[2], h[3] + h[4]);
         (h, [normal, -r.s[1] - h[1] + h[2], -r.s[2] - h[3] + h[4]])
     }
 
@@ -216,18 +205,19 @@ pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::condensed::scaled::{Arms, Kind};
 
     fn cell(dilation: f64) -> Cell {
-        Cell {
+        let local = Local {
             arms: Arms { bodies: [0, 1], rows: [[[0.0; 3]; 3]; 2] },
+            kind: Kind::Rolling,
+            has: [true; 3],
             compliance: [0.3, 0.7, 0.45],
             linear: [0.2, -0.1, 0.4],
             slopes: [0.6, 0.25],
             strengths: [0.5, 1.5, 0.8],
-            on: [true; LIMITS],
-            dilation,
-            soft: [0.0; 3],
-        }
+        };
+        Cell { local, dilation, soft: [0.0; 3] }
     }
 
     /// The residual as one row, of a point and kinematics as one row.

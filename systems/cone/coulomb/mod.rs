@@ -23,7 +23,7 @@ use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
 pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
-use super::condensed::matrix::{Kept, Lu};
+use super::condensed::matrix::UnsymmetricMatrix;
 use super::condensed::settings::DEFAULT_RESIDUAL;
 use super::condensed::{sleeping, sweeps};
 use super::residuals::{applied_force, choose_displacements, min_force, natural_map};
@@ -55,7 +55,7 @@ impl Goal {
 #[derive(Default)]
 pub struct Coulomb {
     settings: CoulombSettings,
-    matrix: Kept<Lu>,
+    matrix: UnsymmetricMatrix,
 }
 
 impl Coulomb {
@@ -110,11 +110,10 @@ impl Coulomb {
         if is_associated || is_found {
             return trial.into_solution(0);
         }
-        let matrix = self.matrix.of(program);
         // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
         scaled.scales.force = unit_of_force(program, start);
-        let mut system = System::new(&scaled, matrix, &settings);
+        let mut system = System::new(&scaled, &mut self.matrix, &settings);
         let (du, df) = system.units;
         let of = |u: &[f64; 3], d: &[f64; 3]| [0, 1, 2].map(|k| u[k] / d[k]);
         let u: Vec<_> = system.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();

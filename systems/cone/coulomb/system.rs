@@ -71,7 +71,7 @@ impl<'a> System<'a> {
                 if damped {
                     of_weights(cell, &scaled)
                 } else {
-                    let own = cell.compliance[0];
+                    let own = cell.local.compliance[0];
                     [if own > 0.0 { own } else { compliance }; 3]
                 }
             })
@@ -110,7 +110,7 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(s);
         let mut u = u[..self.program.free.len()].to_vec();
         self.program.images.extend(&mut u);
-        let cells = cells.map(|(cell, s)| cell.near(*s, &cell.arms.kinematics(&u), product));
+        let cells = cells.map(|(cell, s)| cell.near(*s, &cell.local.arms.kinematics(&u), product));
         Vector { cells: cells.collect(), u }
     }
 
@@ -119,8 +119,8 @@ impl<'a> System<'a> {
         let mut out = Vector::zeros(z);
         self.program.balance_of_bodies(&z.u, &mut out.u);
         for ((cell, x), r) in self.cells.iter().zip(&z.cells).zip(&mut out.cells) {
-            cell.arms.add_forces(&x.s, 1.0, &mut out.u);
-            *r = cell.residual(x, &cell.arms.kinematics(&z.u));
+            cell.local.arms.add_forces(&x.s, 1.0, &mut out.u);
+            *r = cell.residual(x, &cell.local.arms.kinematics(&z.u));
         }
         self.program.images.fold(&mut out.u);
         out
@@ -135,7 +135,7 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(&z.cells).zip(&mut self.linear);
         for (k, ((cell, x), linear)) in cells.enumerate() {
             *linear = cell.linearise(x);
-            values.add(k, &cell.arms.rows, &linear.stiffness);
+            values.add(k, &cell.local.arms.rows, &linear.stiffness);
         }
         self.factorisations += 1;
         self.matrix.factorise()
@@ -147,14 +147,16 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
         for ((cell, linear), (x, r)) in cells {
             let s = cell.forces_at_rest(linear, x, r);
-            cell.arms.add_forces(&s, -1.0, &mut right);
+            cell.local.arms.add_forces(&s, -1.0, &mut right);
         }
         self.program.images.fold(&mut right);
         self.program.clear_fixed(&mut right);
         let du = self.solve_bodies(right);
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
         let cells = cells
-            .map(|((cell, linear), (x, r))| cell.step(linear, x, r, &cell.arms.kinematics(&du)))
+            .map(|((cell, linear), (x, r))| {
+                cell.step(linear, x, r, &cell.local.arms.kinematics(&du))
+            })
             .collect();
         Vector { u: du, cells }
     }
@@ -173,8 +175,8 @@ impl<'a> System<'a> {
                 }
             }
             for (cell, linear) in cells.iter().zip(&*linear) {
-                let s = times(&linear.stiffness, &cell.arms.kinematics(x));
-                cell.arms.add_forces(&s, -1.0, defect);
+                let s = times(&linear.stiffness, &cell.local.arms.kinematics(x));
+                cell.local.arms.add_forces(&s, -1.0, defect);
             }
         };
         matrix.refine(*refined * scale, &mut x, &mut right.clone(), set);
@@ -185,7 +187,7 @@ impl<'a> System<'a> {
 /// Median of the normal compliances above 0; 1 if all are rigid.
 fn typical_compliance(cells: &[Cell]) -> f64 {
     let mut all: Vec<f64> =
-        cells.iter().map(|cell| cell.compliance[0]).filter(|c| *c > 0.0).collect();
+        cells.iter().map(|cell| cell.local.compliance[0]).filter(|c| *c > 0.0).collect();
     all.sort_unstable_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(1.0)
 }
@@ -193,7 +195,7 @@ fn typical_compliance(cells: &[Cell]) -> f64 {
 /// Compliance that the weights of its bodies give an interaction: the diagonal of `G' M^-1 G`.
 fn of_weights(cell: &Cell, program: &Scaled) -> [f64; 3] {
     let mut out = [0.0; 3];
-    for (rows, body) in cell.arms.rows.iter().zip(cell.arms.bodies) {
+    for (rows, body) in cell.local.arms.rows.iter().zip(cell.local.arms.bodies) {
         let body = program.images.body(body as usize);
         for (row, weight) in rows.iter().zip(program.weight[body]) {
             if weight > 0.0 {

@@ -185,10 +185,8 @@ impl Units {
             if is_far(slack, length) {
                 worsen(&mut out.kinematics, (multiplier * length).abs() / displacement);
             } else {
-                worsen(
-                    &mut out.complementarity,
-                    (multiplier * slack).abs() / (force * displacement),
-                );
+                let product = (multiplier * slack).abs();
+                worsen(&mut out.complementarity, product / (force * displacement));
             }
         };
         product(m.tension.max(0.0), p - l.min_normal_force(), 1.0);

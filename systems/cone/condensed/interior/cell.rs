@@ -43,8 +43,13 @@ pub struct Cells {
     pub wheel: Vec<Cell<3, 2>>,
 }
 
-/// Evaluates an expression for every interaction.
+/// Evaluates an expression for every interaction of some cells, or of all in groups of them.
 macro_rules! for_each {
+    ($cell:ident in $groups:expr => $what:expr) => {
+        for cells in $groups.all() {
+            for_each!($cell of cells => $what);
+        }
+    };
     ($cell:ident of $cells:expr => $what:expr) => {
         for_each!($cell of $cells => $what; normal friction bond rolling wheel)
     };

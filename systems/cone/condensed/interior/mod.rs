@@ -43,16 +43,6 @@
 //! x the slack less the multiplier, slack and multiplier become the positive and the negative part of
 //! x, and the step takes the residuals that this leaves, without regard to the boundary. They use the
 //! same elimination and factorisation as an iteration.
-//!
-//! | file | what |
-//! |---|---|
-//! | `point` | a point, where the method starts, and what judges it |
-//! | `iteration` | the current point, and the steps that make an iteration |
-//! | `ending` | the best point so far, and what ends the method |
-//! | `groups` | the interactions by branches of the matrix |
-//! | `cell` | one interaction |
-//! | `law` | its limits, their slacks and multipliers |
-//! | `local_system` | its elimination |
 
 mod cell;
 mod ending;

@@ -89,7 +89,8 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
             nodes[task].below.push(new);
         }
     }
-    let mut cuts = in_postorder(nodes, all);
+    let mut cuts = Vec::new();
+    add_in_postorder(&mut nodes, all, &mut cuts);
     cuts.pop();
     cuts
 }
@@ -109,21 +110,14 @@ fn share_out(feet: &[usize], whole: &[f64], grain: f64) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The tasks in the subtree of one, each after those below it.
-fn in_postorder(mut nodes: Vec<Node>, root: usize) -> Vec<Cut> {
-    let mut cuts = Vec::new();
-    let mut path = vec![(root, 0, 0)];
-    while let Some((task, next, first)) = path.last_mut() {
-        if let Some(&below) = nodes[*task].below.get(*next) {
-            *next += 1;
-            path.push((below, 0, cuts.len()));
-        } else {
-            let feet = std::mem::take(&mut nodes[*task].feet);
-            cuts.push(Cut { feet, size: cuts.len() + 1 - *first });
-            path.pop();
-        }
+/// Adds the tasks in the subtree of one, each after those below it.
+fn add_in_postorder(nodes: &mut [Node], task: usize, cuts: &mut Vec<Cut>) {
+    let first = cuts.len();
+    let Node { feet, below, .. } = std::mem::take(&mut nodes[task]);
+    for below in below {
+        add_in_postorder(nodes, below, cuts);
     }
-    cuts
+    cuts.push(Cut { feet, size: cuts.len() + 1 - first });
 }
 
 /// Work of a front: multiplications, and four times the numbers that are moved. Moving a number
