@@ -275,20 +275,16 @@ impl Scaled {
         let all = [of(c.a, true), of(c.b, false)];
         for (side, body) in bodies.into_iter().enumerate() {
             for k in 0..3 {
-                for f in 0..3 {
-                    if self.free[body][k] {
-                        rows[side][k][f] = all[side][k][f];
-                    } else {
-                        fixed[f] += all[side][k][f] * self.known[body][k];
-                    }
+                if self.free[body][k] {
+                    rows[side][k] = all[side][k];
+                } else {
+                    add_times(&mut fixed, self.known[body][k], &all[side][k]);
                 }
             }
         }
         if let Some((k, _)) = self.images.at(number) {
             let by_cell = self.images.kinematics_by_cell(k, &self.known, true, &all[1]);
-            for f in 0..3 {
-                fixed[f] += by_cell[f];
-            }
+            add_times(&mut fixed, 1.0, &by_cell);
             (bodies[1], rows[1]) = (self.free.len() + k, all[1]);
         }
         (Arms { bodies: bodies.map(|i| i as u32), rows }, fixed)
@@ -325,9 +321,7 @@ impl Scaled {
         let Arms { bodies, rows } = &mut out.arms;
         if let Some(k) = self.images.number(bodies[1] as usize) {
             let by_cell = self.images.kinematics_by_cell(k, u, false, &rows[1]);
-            for f in 0..3 {
-                out.linear[f] -= by_cell[f];
-            }
+            add_times(&mut out.linear, -1.0, &by_cell);
             *bodies = self.pair(local).map(|i| i as u32);
             (rows[1], _) = self.images.rows(k, &rows[1]);
         }

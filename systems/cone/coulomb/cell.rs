@@ -2,7 +2,7 @@
 
 use crate::program::{Interaction, SlidingLaw};
 
-use super::super::condensed::interior::slack;
+use super::super::condensed::interior::Variables;
 use super::super::condensed::scaled::Local;
 
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
@@ -27,15 +27,7 @@ pub struct Cell {
 
 /// The entries of an interaction in a point, a step or a residual. In a residual they are the
 /// defects of stationarity, of the limits and of the products.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Entry {
-    /// Forces p, q, tau.
-    pub s: [f64; 3],
-    /// Slacks.
-    pub w: [f64; LIMITS],
-    /// Multipliers.
-    pub l: [f64; LIMITS],
-}
+pub type Entry = Variables<3, LIMITS>;
 
 /// The part of an interaction in the linear system at a point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -98,10 +90,9 @@ impl Cell {
         let sn = linear[0] + compliance[0] * s[0] - e[0] - self.opening(st.abs(), sr.abs());
         let raw = [sn, st.max(0.0), (-st).max(0.0), sr.max(0.0), (-sr).max(0.0)];
         let taken = self.of_limits(&s);
-        let mut out = Entry { s, w: [1.0; LIMITS], l: [0.0; LIMITS] };
+        let mut out = Entry { s, w: [1.0; LIMITS], lambda: [0.0; LIMITS] };
         for q in self.each_limit() {
-            out.w[q] = slack(self.strength(q) - taken[q] - raw[q], product);
-            out.l[q] = product / out.w[q];
+            out.set(q, self.strength(q) - taken[q] - raw[q], product);
         }
         out
     }
@@ -109,7 +100,7 @@ impl Cell {
     /// Defects of the law at a point with kinematics `e`.
     #[inline]
     pub fn residual(&self, x: &Entry, e: &[f64; 3]) -> Entry {
-        let [n, plus, minus, roll_plus, roll_minus] = x.l;
+        let [n, plus, minus, roll_plus, roll_minus] = x.lambda;
         let Local { linear, compliance, .. } = &self.local;
         let elastic = [0, 1, 2].map(|f| linear[f] + compliance[f] * x.s[f] - e[f]);
         let s = [
@@ -121,7 +112,7 @@ impl Cell {
         let taken = self.of_limits(&x.s);
         for q in self.each_limit() {
             r.w[q] = x.w[q] + taken[q] - self.strength(q);
-            r.l[q] = x.w[q] * x.l[q];
+            r.lambda[q] = x.w[q] * x.lambda[q];
         }
         r
     }
@@ -132,7 +123,7 @@ impl Cell {
     pub fn linearise(&self, x: &Entry) -> Linear {
         let mut theta = [0.0; LIMITS];
         for q in self.each_limit() {
-            theta[q] = x.l[q] / x.w[q];
+            theta[q] = x.lambda[q] / x.w[q];
         }
         let (Local { has, slopes, .. }, a) = (&self.local, self.dilation);
         let mut own = [0.0; 3];
@@ -168,7 +159,7 @@ impl Cell {
     fn asked(&self, x: &Entry, r: &Entry) -> ([f64; LIMITS], [f64; 3]) {
         let mut h = [0.0; LIMITS];
         for q in self.each_limit() {
-            h[q] = (x.l[q] * r.w[q] - r.l[q]) / x.w[q];
+            h[q] = (x.lambda[q] * r.w[q] - r.lambda[q]) / x.w[q];
         }
         let normal = -r.s[0] + h[0] + self.opening(h[1] + h[2], h[3] + h[4]);
         (h, [normal, -r.s[1] - h[1] + h[2], -r.s[2] - h[3] + h[4]])
@@ -190,7 +181,7 @@ impl Cell {
         let mut out = Entry { s, ..Entry::default() };
         for q in self.each_limit() {
             out.w[q] = -r.w[q] - taken[q];
-            out.l[q] = h[q] + linear.theta[q] * taken[q];
+            out.lambda[q] = h[q] + linear.theta[q] * taken[q];
         }
         out
     }
@@ -223,12 +214,12 @@ mod tests {
     /// The residual as one row, of a point and kinematics as one row.
     fn residual(cell: &Cell, z: &[f64; 16]) -> [f64; 13] {
         let part = |from: usize| std::array::from_fn(|k| z[from + k]);
-        let x = Entry { s: [z[0], z[1], z[2]], w: part(3), l: part(8) };
+        let x = Entry { s: [z[0], z[1], z[2]], w: part(3), lambda: part(8) };
         let r = cell.residual(&x, &[z[13], z[14], z[15]]);
         let mut out = [0.0; 13];
         out[..3].copy_from_slice(&r.s);
         out[3..8].copy_from_slice(&r.w);
-        out[8..].copy_from_slice(&r.l);
+        out[8..].copy_from_slice(&r.lambda);
         out
     }
 
@@ -240,7 +231,7 @@ mod tests {
             let x = Entry {
                 s: [2.0, -0.9, 0.3],
                 w: [1.1, 0.3, 2.4, 0.7, 0.2],
-                l: [0.05, 1.3, 0.02, 0.4, 0.9],
+                lambda: [0.05, 1.3, 0.02, 0.4, 0.9],
             };
             let e = [0.15, -0.6, 0.35];
             let motion = [0.02, -0.05, 0.07];
@@ -252,8 +243,8 @@ mod tests {
                 let all = s.iter().chain(w).chain(l).chain(e);
                 all.copied().collect::<Vec<_>>().try_into().unwrap()
             };
-            let at = row(&x.s, &x.w, &x.l, &e);
-            let along = row(&step.s, &step.w, &step.l, &motion);
+            let at = row(&x.s, &x.w, &x.lambda, &e);
+            let along = row(&step.s, &step.w, &step.lambda, &motion);
             // The residual is quadratic: central differences of it are exact but for round-off.
             let h = 1e-3;
             let moved = |sign: f64| std::array::from_fn(|k| at[k] + sign * h * along[k]);
@@ -272,7 +263,7 @@ mod tests {
         let x = Entry {
             s: [2.0, -0.9, 0.3],
             w: [1.1, 0.3, 2.4, 0.7, 0.2],
-            l: [0.05, 1.3, 0.02, 0.4, 0.9],
+            lambda: [0.05, 1.3, 0.02, 0.4, 0.9],
         };
         let asymmetry = |dilation: f64| {
             let k = cell(dilation).linearise(&x).stiffness;

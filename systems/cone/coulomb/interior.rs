@@ -47,7 +47,7 @@ pub fn iterate(
         let mut aimed = r;
         for ((r, d), cell) in aimed.cells.iter_mut().zip(&predictor.cells).zip(&system.cells) {
             for q in cell.each_limit() {
-                r.l[q] += d.w[q] * d.l[q] - target;
+                r.lambda[q] += d.w[q] * d.lambda[q] - target;
             }
         }
         let step = system.solve(&z, &aimed);

@@ -31,24 +31,12 @@ use super::residuals::{applied_force, choose_displacements, min_force, natural_m
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
-    tolerance: f64,
-    /// Whether the first point within the tolerance suffices.
-    at_once: bool,
-}
-
-impl Goal {
-    /// A residual within the tolerance, from where the iteration goes on while it gains much: a
-    /// product within the tolerance leaves its square root in the forces.
-    #[must_use]
-    pub fn exact(tolerance: f64) -> Self {
-        Self { tolerance, at_once: false }
-    }
-
-    /// The first point with a residual within the tolerance.
-    #[must_use]
-    pub fn enough(tolerance: f64) -> Self {
-        Self { tolerance, at_once: true }
-    }
+    /// Maximum residual.
+    pub tolerance: f64,
+    /// Whether the first point within the tolerance suffices. If not, the iteration goes on from
+    /// there while it gains much: a product within the tolerance leaves its square root in the
+    /// forces.
+    pub at_once: bool,
 }
 
 /// The solver of Coulomb's law. It keeps the pattern of its matrix between calls.
@@ -198,10 +186,8 @@ impl<'a> Trial<'a> {
         let (du, df) = system.units;
         // Imposed displacements are exact, without round-off of the units.
         let mut displacements = self.program.imposed();
-        for ((u, free), &i) in z.u.iter().zip(&system.program.free).zip(&system.order) {
-            for k in (0..3).filter(|k| free[*k]) {
-                displacements[i][k] = u[k] * du[k];
-            }
+        for (i, k) in system.program.all_free() {
+            displacements[system.order[i]][k] = z.u[i][k] * du[k];
         }
         let cells = system.cells.iter().zip(&z.cells);
         let clamped = cells.map(|(cell, x)| cell.clamp(&x.s));

@@ -29,7 +29,7 @@ impl Vector {
         for (x, y) in self.cells.iter_mut().zip(&other.cells) {
             add_times(&mut x.s, factor, &y.s);
             add_times(&mut x.w, factor, &y.w);
-            add_times(&mut x.l, factor, &y.l);
+            add_times(&mut x.lambda, factor, &y.lambda);
         }
     }
 }
@@ -101,7 +101,7 @@ impl<'a> System<'a> {
     pub fn along(&self, z: &Vector, step: &Vector) -> impl Iterator<Item = [(f64, f64); 2]> {
         let entries = z.cells.iter().zip(&step.cells);
         self.cells.iter().zip(entries).flat_map(|(cell, (x, d))| {
-            cell.each_limit().map(move |q| [(x.w[q], d.w[q]), (x.l[q], d.l[q])])
+            cell.each_limit().map(move |q| [(x.w[q], d.w[q]), (x.lambda[q], d.lambda[q])])
         })
     }
 

@@ -54,7 +54,8 @@ mod point;
 
 use self::ending::Ending;
 use self::iteration::Iteration;
-pub use self::point::{Goal, Interior, Judge, Warm, max_magnitude, part_of_way, slack};
+pub(crate) use self::law::Variables;
+pub use self::point::{Goal, Interior, Judge, Warm, max_magnitude, part_of_way};
 use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::InteriorSettings;

@@ -35,22 +35,13 @@ pub trait Judge {
 
     /// What point or direction prove: a collapse if the displacements are a mechanism, or that rigid
     /// bodies are locked by the forces.
-    fn proof(&self, _point: &Interior) -> Option<SolveStatus> {
-        None
-    }
+    fn proof(&self, point: &Interior) -> Option<SolveStatus>;
 }
 
-/// A judge of solutions alone.
-impl<F: Fn(&Interior) -> bool> Judge for F {
-    fn is_solution(&self, point: &Interior) -> bool {
-        self(point)
-    }
-}
-
-/// Conditions that end the method at a solution.
-#[derive(Clone, Copy, Debug)]
+/// Conditions that end the method.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Goal {
-    /// Residual at which it is done.
+    /// Residual at which it is done, or at a slightly larger one where it is slow.
     pub residual: f64,
     /// Whether the first point that solves the program ends the method.
     pub at_once: bool,
@@ -61,20 +52,6 @@ pub struct Goal {
     pub in_middle: bool,
     /// Whether the method looks for proofs that the program has no solution.
     pub seeks_proofs: bool,
-}
-
-impl Goal {
-    /// The goal is this residual, or a slightly larger one where the method is slow.
-    #[must_use]
-    pub fn exact(residual: f64) -> Self {
-        Self { residual, at_once: false, decided: None, in_middle: false, seeks_proofs: false }
-    }
-
-    /// The goal is the first point that solves the program, or this residual.
-    #[must_use]
-    pub fn enough(residual: f64) -> Self {
-        Self { at_once: true, ..Self::exact(residual) }
-    }
 }
 
 /// Forces near the solution to start from.

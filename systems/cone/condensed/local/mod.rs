@@ -13,9 +13,11 @@
 
 mod patches;
 
+use self::patches::Motion;
 use super::MIN_FORCE;
 use super::matrix::BodyMatrix;
 use super::newton::{Goal, Newton, Point, Step, iterate};
+use super::parallel::in_parallel;
 use super::scaled::{Local, Scaled};
 use super::settings::{LocalSettings, NewtonSettings};
 use super::spring::{Elastic, RollingSpring, Spring};
@@ -146,11 +148,17 @@ impl<'a> Elimination<'a> {
         let patches =
             self.patches(|i| unbalance[i] > share * maximum || self.fast.get(i) == Some(&true));
         let goal = Goal { min_force: point.force, ..self.goal };
-        let solutions = self.balance_all::<S, F>(&patches, &point.u, goal);
-        for (i, u) in &solutions {
-            point.u[*i] = *u;
+        let balance = |members: &Vec<usize>| self.balance::<S, F>(members, &point.u, goal);
+        let solutions: Vec<Option<Motion>> = if self.is_shared {
+            in_parallel(patches.iter(), balance)
+        } else {
+            patches.iter().map(balance).collect()
+        };
+        let mut moved = false;
+        for (i, u) in solutions.into_iter().flatten().flatten() {
+            (point.u[i], moved) = (u, true);
         }
-        !solutions.is_empty()
+        moved
     }
 }
 

@@ -14,6 +14,7 @@ use super::fronts::{Front, Fronts, Task};
 use super::share::{By, Share, dispatch};
 use super::tasks::{downward, upward};
 use crate::condensed::parallel::{Memory, split};
+use crate::condensed::scaled::add_times;
 
 /// The factor of a task, and the arithmetic of its fronts. All functions are inlined into a caller
 /// that is compiled for the instructions of the machine.
@@ -245,9 +246,7 @@ fn gather_below<A>(
         let contributions = &below[other - first_below].work[of_other.places.len()..];
         let at = &fronts.beyond_above[of_other.beyond.clone()];
         for (place, contribution) in at.iter().zip(contributions) {
-            for (x, y) in work[*place as usize].iter_mut().zip(contribution) {
-                *x += y;
-            }
+            add_times(&mut work[*place as usize], 1.0, contribution);
         }
     }
 }
