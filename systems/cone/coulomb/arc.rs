@@ -33,7 +33,7 @@ pub fn follow(
     max: u32,
     trial: &mut Trial,
 ) -> Option<Vector> {
-    system.regularise(settings.regularisation);
+    system.regularisation = settings.regularisation;
     let first = system.residual(&z);
     let mut by_tau = Vector::zeros(&z);
     by_tau.add(-1.0, &first);

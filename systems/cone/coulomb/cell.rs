@@ -1,7 +1,5 @@
 //! Coulomb's law of one interaction, its numbers at a point, and its part of the linear system.
 
-use crate::program::{Interaction, SlidingLaw};
-
 use super::super::condensed::interior::Variables;
 use super::super::condensed::scaled::Local;
 
@@ -20,9 +18,9 @@ pub const LIMITS: usize = 5;
 /// ```
 pub struct Cell {
     pub local: Local,
-    dilation: f64,
-    /// Compliances that regularise the matrix and are no part of the law.
-    pub soft: [f64; 3],
+    pub dilation: f64,
+    /// Usual compliances: a part of them regularises the matrix. They are no part of the law.
+    pub usual: [f64; 3],
 }
 
 /// The entries of an interaction in a point, a step or a residual. In a residual they are the
@@ -39,12 +37,6 @@ pub struct Linear {
 }
 
 impl Cell {
-    /// The law of an interaction.
-    pub fn new(local: &Local, c: &Interaction) -> Self {
-        let dilation = SlidingLaw::Coulomb.dilation(c);
-        Self { local: local.clone(), dilation, soft: [0.0; 3] }
-    }
-
     /// The numbers of its limits.
     pub fn each_limit(&self) -> impl Iterator<Item = usize> {
         (0..LIMITS).filter(|q| self.local.has[q.div_ceil(2)])
@@ -118,9 +110,10 @@ impl Cell {
     }
 
     /// Derivative of the forces by the kinematics at a point, with slacks and multipliers
-    /// eliminated.
+    /// eliminated, and with this part of the usual compliances added.
     #[inline]
-    pub fn linearise(&self, x: &Entry) -> Linear {
+    pub fn linearise(&self, x: &Entry, regularisation: f64) -> Linear {
+        let soft = self.usual.map(|c| regularisation * c);
         let mut theta = [0.0; LIMITS];
         for q in self.each_limit() {
             theta[q] = x.lambda[q] / x.w[q];
@@ -128,13 +121,13 @@ impl Cell {
         let (Local { has, slopes, .. }, a) = (&self.local, self.dilation);
         let mut own = [0.0; 3];
         let (mut left, mut right) = ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        let mut sum = self.local.compliance[0] + self.soft[0] + theta[0];
+        let mut sum = self.local.compliance[0] + soft[0] + theta[0];
         for (k, force) in [(0, 1), (1, 2)] {
             if !has[force] {
                 continue;
             }
             let [plus, minus] = [theta[2 * k + 1], theta[2 * k + 2]];
-            let compliance = self.soft[force] + self.local.compliance[force];
+            let compliance = soft[force] + self.local.compliance[force];
             let flexibility = 1.0 / (compliance + plus + minus);
             let lean = slopes[k] * (plus - minus) * flexibility;
             own[force] = flexibility;
@@ -208,7 +201,7 @@ mod tests {
             slopes: [0.6, 0.25],
             strengths: [0.5, 1.5, 0.8],
         };
-        Cell { local, dilation, soft: [0.0; 3] }
+        Cell { local, dilation, usual: [0.0; 3] }
     }
 
     /// The residual as one row, of a point and kinematics as one row.
@@ -235,7 +228,7 @@ mod tests {
             };
             let e = [0.15, -0.6, 0.35];
             let motion = [0.02, -0.05, 0.07];
-            let linear = cell.linearise(&x);
+            let linear = cell.linearise(&x, 0.0);
             let r = cell.residual(&x, &e);
             let step = cell.step(&linear, &x, &r, &motion);
 
@@ -266,7 +259,7 @@ mod tests {
             lambda: [0.05, 1.3, 0.02, 0.4, 0.9],
         };
         let asymmetry = |dilation: f64| {
-            let k = cell(dilation).linearise(&x).stiffness;
+            let k = cell(dilation).linearise(&x, 0.0).stiffness;
             (0..3)
                 .flat_map(|f| (0..3).map(move |g| (f, g)))
                 .map(|(f, g)| (k[f][g] - k[g][f]).abs())

@@ -14,7 +14,7 @@ pub fn iterate(
     max: u32,
     trial: &mut Trial,
 ) {
-    system.regularise(settings.regularisation);
+    system.regularisation = settings.regularisation;
     let mut last = 1.0;
     let mut short = 0;
     let mut residuals = Vec::new();

@@ -104,7 +104,8 @@ impl Coulomb {
         let mut system = System::new(&scaled, &mut self.matrix, &settings);
         let (du, df) = system.units;
         let of = |u: &[f64; 3], d: &[f64; 3]| [0, 1, 2].map(|k| u[k] / d[k]);
-        let u: Vec<_> = system.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
+        let u: Vec<_> =
+            system.matrix.order().iter().map(|i| of(&start.displacements[*i], &du)).collect();
         let s: Vec<_> = start.forces.iter().map(|f| of(f, &df)).collect();
         let product = if is_of_law { settings.share * trial.worst } else { settings.product };
         let z = system.near(&u, &s, product);
@@ -187,7 +188,7 @@ impl<'a> Trial<'a> {
         // Imposed displacements are exact, without round-off of the units.
         let mut displacements = self.program.imposed();
         for (i, k) in system.program.all_free() {
-            displacements[system.order[i]][k] = z.u[i][k] * du[k];
+            displacements[system.matrix.order()[i]][k] = z.u[i][k] * du[k];
         }
         let cells = system.cells.iter().zip(&z.cells);
         let clamped = cells.map(|(cell, x)| cell.clamp(&x.s));

@@ -1,11 +1,11 @@
 //! The complementarity system of all interactions and bodies, its residual, and linear solves with
 //! its derivative.
 
-use crate::program::ConeProgram;
+use crate::program::{ConeProgram, Interaction, SlidingLaw};
 
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
-use super::super::condensed::scaled::{Scaled, add_times};
+use super::super::condensed::scaled::{Local, Scaled, add_times};
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
 
@@ -40,16 +40,14 @@ pub struct System<'a> {
     pub cells: Vec<Cell>,
     /// Units of the displacements and of the forces.
     pub units: ([f64; 3], [f64; 3]),
-    /// Bodies in the order of elimination.
-    pub order: Vec<usize>,
     pub matrix: &'a mut UnsymmetricMatrix,
     /// Number of limits.
     pub limits: f64,
     /// Factorisations so far.
     pub factorisations: u32,
+    /// Regularisation of the matrix, as a part of the usual compliances.
+    pub regularisation: f64,
     linear: Vec<Linear>,
-    /// Usual compliances of every interaction, by which a regularisation is multiplied.
-    soft: Vec<[f64; 3]>,
     refined: f64,
 }
 
@@ -61,39 +59,29 @@ impl<'a> System<'a> {
         settings: &CoulombSettings,
     ) -> Self {
         let scaled = matrix.pose(program);
-        let both = scaled.locals.iter().zip(&program.interactions);
-        let cells: Vec<Cell> = both.map(|(local, c)| Cell::new(local, c)).collect();
-        let compliance = typical_compliance(&cells);
+        let typical = typical_compliance(&scaled.locals);
         let damped = program.is_damped();
-        let soft = cells
-            .iter()
-            .map(|cell| {
-                if damped {
-                    of_weights(cell, &scaled)
-                } else {
-                    let own = cell.local.compliance[0];
-                    [if own > 0.0 { own } else { compliance }; 3]
-                }
-            })
-            .collect();
+        let usual = |local: &Local| match local.compliance[0] {
+            _ if damped => of_weights(local, &scaled),
+            own if own > 0.0 => [own; 3],
+            _ => [typical; 3],
+        };
+        let cell = |(local, c): (&Local, &Interaction)| Cell {
+            local: local.clone(),
+            dilation: SlidingLaw::Coulomb.dilation(c),
+            usual: usual(local),
+        };
+        let cells: Vec<Cell> = scaled.locals.iter().zip(&program.interactions).map(cell).collect();
         Self {
             limits: cells.iter().flat_map(Cell::each_limit).count().max(1) as f64,
             linear: vec![Linear::default(); cells.len()],
             program: scaled,
             cells,
             units: program.scales.units(),
-            order: matrix.order().to_vec(),
             matrix,
             factorisations: 0,
-            soft,
+            regularisation: 0.0,
             refined: settings.refined,
-        }
-    }
-
-    /// Sets the regularisation of the matrix, as a part of the usual compliances.
-    pub fn regularise(&mut self, part: f64) {
-        for (cell, soft) in self.cells.iter_mut().zip(&self.soft) {
-            cell.soft = soft.map(|c| part * c);
         }
     }
 
@@ -134,7 +122,7 @@ impl<'a> System<'a> {
         values.add_weights(&self.program, 0.0);
         let cells = self.cells.iter().zip(&z.cells).zip(&mut self.linear);
         for (k, ((cell, x), linear)) in cells.enumerate() {
-            *linear = cell.linearise(x);
+            *linear = cell.linearise(x, self.regularisation);
             values.add(k, &cell.local.arms.rows, &linear.stiffness);
         }
         self.factorisations += 1;
@@ -185,17 +173,16 @@ impl<'a> System<'a> {
 }
 
 /// Median of the normal compliances above 0; 1 if all are rigid.
-fn typical_compliance(cells: &[Cell]) -> f64 {
-    let mut all: Vec<f64> =
-        cells.iter().map(|cell| cell.local.compliance[0]).filter(|c| *c > 0.0).collect();
+fn typical_compliance(locals: &[Local]) -> f64 {
+    let mut all: Vec<f64> = locals.iter().map(|l| l.compliance[0]).filter(|c| *c > 0.0).collect();
     all.sort_unstable_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Compliance that the weights of its bodies give an interaction: the diagonal of `G' M^-1 G`.
-fn of_weights(cell: &Cell, program: &Scaled) -> [f64; 3] {
+fn of_weights(local: &Local, program: &Scaled) -> [f64; 3] {
     let mut out = [0.0; 3];
-    for (rows, body) in cell.local.arms.rows.iter().zip(cell.local.arms.bodies) {
+    for (rows, body) in local.arms.rows.iter().zip(local.arms.bodies) {
         let body = program.images.body(body as usize);
         for (row, weight) in rows.iter().zip(program.weight[body]) {
             if weight > 0.0 {
