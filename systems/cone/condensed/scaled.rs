@@ -14,22 +14,6 @@ use super::matrix::places;
 /// tension.
 pub const ROWS: usize = 4;
 
-/// The forces and limits of an interaction. The inner loops of the solver are compiled for each
-/// kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// p alone, with the limit of tension.
-    Normal,
-    /// p and q, with two limits of shear.
-    Friction,
-    /// p and q, with two limits of shear and that of tension.
-    Bond,
-    /// p, q and tau, with two limits of shear and two of rolling.
-    Rolling,
-    /// p and tau, with two limits of rolling; q is a dummy with a compliance and without load.
-    Wheel,
-}
-
 /// The bodies of an interaction, and how they feel `F` forces.
 #[derive(Clone, Copy, Debug)]
 pub struct Arms<const F: usize> {
@@ -104,11 +88,11 @@ pub fn add_times(x: &mut [f64], factor: f64, y: &[f64]) {
 pub struct Local {
     /// Its bodies and their rows.
     pub arms: Arms<3>,
-    /// Its forces and limits.
-    pub kind: Kind,
     /// Which of p, q, tau exist.
     pub has: [bool; 3],
-    /// Compliances.
+    /// Whether tension has a limit of its own.
+    pub has_tension: bool,
+    /// Compliances; 1 for a shear force that does not exist.
     pub compliance: [f64; 3],
     /// Linear terms, less the kinematics of the fixed degrees of freedom.
     pub linear: [f64; 3],
@@ -126,18 +110,11 @@ impl Local {
         let stiffness = scales.force / scales.displacement;
         let l = &c.limits;
         let has = l.forces();
-        let kind = match (l.has_shear(), l.has_rolling()) {
-            (false, false) => Kind::Normal,
-            (true, false) if l.has_tension_row() => Kind::Bond,
-            (true, false) => Kind::Friction,
-            (true, true) => Kind::Rolling,
-            (false, true) => Kind::Wheel,
-        };
         let of_moment = c.rolling_compliance * df[2] / du[2];
         Self {
             arms,
-            kind,
             has,
+            has_tension: l.has_tension_row(),
             compliance: [
                 c.normal_compliance * stiffness,
                 if has[1] { c.tangential_compliance * stiffness } else { 1.0 },
@@ -163,7 +140,7 @@ impl Local {
     pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
         let ([f_t, c, m_0], [mu, m]) = (self.strengths, self.slopes);
         let [_, shear, rolling] = self.has.map(|has| if has { 2 } else { 0 });
-        let tension = usize::from(self.has_tension());
+        let tension = usize::from(self.has_tension);
         repeat_n((mu, c), shear)
             .chain(repeat_n((m, m_0), rolling))
             .chain(repeat_n((1.0, f_t), tension))
@@ -173,11 +150,6 @@ impl Local {
     pub fn lowest(&self) -> f64 {
         let limits = self.limits().filter(|(slope, _)| *slope > 0.0);
         limits.map(|(slope, strength)| -strength / slope).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Whether tension has a limit of its own.
-    pub fn has_tension(&self) -> bool {
-        matches!(self.kind, Kind::Normal | Kind::Bond)
     }
 }
 

@@ -77,7 +77,7 @@ impl Elastic<2> for Spring {
             linear: [l.linear[0], l.linear[1]],
             friction: l.slopes[0],
             cohesion: l.strengths[1],
-            tension: if l.has_tension() { l.strengths[0] } else { f64::INFINITY },
+            tension: if l.has_tension { l.strengths[0] } else { f64::INFINITY },
             shears: l.has[1],
         }
     }

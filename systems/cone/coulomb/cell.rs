@@ -189,13 +189,13 @@ pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::condensed::scaled::{Arms, Kind};
+    use crate::condensed::scaled::Arms;
 
     fn cell(dilation: f64) -> Cell {
         let local = Local {
             arms: Arms { bodies: [0, 1], rows: [[[0.0; 3]; 3]; 2] },
-            kind: Kind::Rolling,
             has: [true; 3],
+            has_tension: false,
             compliance: [0.3, 0.7, 0.45],
             linear: [0.2, -0.1, 0.4],
             slopes: [0.6, 0.25],

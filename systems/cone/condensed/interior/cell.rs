@@ -7,7 +7,7 @@
 use std::ops::Add;
 
 use super::super::matrix::{Assembly, Cholesky};
-use super::super::scaled::{Kind, Local, ROWS, add_times, first};
+use super::super::scaled::{Local, ROWS, add_times, first};
 use super::super::settings::InteriorSettings;
 use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
@@ -33,13 +33,18 @@ pub struct Cell<const F: usize, const Q: usize> {
     step: Variables<F, Q>,
 }
 
-/// Interactions, by their kind.
+/// Interactions, by their forces and limits: the inner loops are compiled for each kind.
 #[derive(Default)]
 pub struct Cells {
+    /// p alone, with the limit of tension.
     pub normal: Vec<Cell<1, 1>>,
+    /// p and q, with two limits of shear.
     pub friction: Vec<Cell<2, 2>>,
+    /// p and q, with two limits of shear and that of tension.
     pub bond: Vec<Cell<2, 3>>,
+    /// p, q and tau, with two limits of shear and two of rolling.
     pub rolling: Vec<Cell<3, 4>>,
+    /// p and tau, with two limits of rolling; q is a dummy with a compliance and without load.
     pub wheel: Vec<Cell<3, 2>>,
 }
 
@@ -71,12 +76,15 @@ impl Cells {
         u: &[[f64; 3]],
         settings: &InteriorSettings,
     ) {
-        match local.kind {
-            Kind::Normal => self.normal.push(Cell::new(number, local, u, settings)),
-            Kind::Friction => self.friction.push(Cell::new(number, local, u, settings)),
-            Kind::Bond => self.bond.push(Cell::new(number, local, u, settings)),
-            Kind::Rolling => self.rolling.push(Cell::new(number, local, u, settings)),
-            Kind::Wheel => self.wheel.push(Cell::new(number, local, u, settings)),
+        let [_, shear, rolling] = local.has;
+        match (shear, rolling) {
+            (false, false) => self.normal.push(Cell::new(number, local, u, settings)),
+            (true, false) if local.has_tension => {
+                self.bond.push(Cell::new(number, local, u, settings));
+            }
+            (true, false) => self.friction.push(Cell::new(number, local, u, settings)),
+            (true, true) => self.rolling.push(Cell::new(number, local, u, settings)),
+            (false, true) => self.wheel.push(Cell::new(number, local, u, settings)),
         }
     }
 }
