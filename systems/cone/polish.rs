@@ -30,22 +30,18 @@ const ROUND_OFF: f64 = 1e-15;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolishSettings {
     /// Maximum number of guesses of the active limits.
-    ///
     /// 8: a cap. Inert in decision 001, where the guess settles earlier.
     pub max_passes: usize,
     /// Residual at which polishing ends. A polished solution within it replaces any solution without
     /// polish, even one with a smaller residual: slack and multiplier of a limit that is just reached
     /// are accurate to the square root of the residual only.
-    ///
     /// 1e-11: decision 001.
     pub residual: f64,
     /// Regularisation on the diagonal of the factorised matrix, in scaled units.
-    ///
     /// 1e-8: about the root of the round-off, so that the factor exists and the refinement
     /// converges. Decision 001.
     pub regularisation: f64,
     /// Ratio of the defects of two refinements above which the refinement ends.
-    ///
     /// 0.9: decision 001.
     pub progress: f64,
 }

@@ -22,13 +22,11 @@ use crate::program::{ConeProgram, ConeSolution, Interaction, SlidingLaw, SolveSt
 use crate::residuals::settle;
 
 /// Number of sweeps in a round, after which the residual is computed.
-///
 /// 40: in the collapse of 5000 disks 20 leave two more of eleven factorisations an increment; 80
 /// save less than one and cost more time than that.
 const ROUND: usize = 40;
 
 /// Maximum momentum after the first round, as a share of the last step.
-///
 /// 0.85: with the momentum of Nesterov, which tends to 1, a time step of 2000 rigid disks under
 /// Coulomb's law stays at a residual of 2e-2 and more; 0.7 takes twice as many sweeps.
 const MAX_MOMENTUM: f64 = 0.85;

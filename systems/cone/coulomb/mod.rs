@@ -79,8 +79,8 @@ impl Coulomb {
 
     /// Solves a program under Coulomb's law from a solution under the associated law, or from forces of
     /// Coulomb's law, those of the last solution or after [sweeps](Self::sweep), in at most `max`
-    /// factorisations. The result is solved if its
-    /// residual is within the tolerance of the goal, otherwise the best point on the way, stalled.
+    /// factorisations. The result is solved if its residual is within the tolerance of the goal,
+    /// otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
         program: &ConeProgram,
@@ -90,7 +90,7 @@ impl Coulomb {
     ) -> ConeSolution {
         let settings = self.settings;
         let mut trial = Trial::new(program, start, &settings, goal);
-        trial.offer(&start.forces, &start.displacements);
+        trial.offer(start.forces.clone(), start.displacements.clone());
         let is_associated = program.interactions.iter().all(|c| c.limits.has_strength());
         // The associated solution is exact, and nothing slides where it solves Coulomb's law.
         let is_of_law = start.law == SlidingLaw::Coulomb;
@@ -112,7 +112,7 @@ impl Coulomb {
         let first = max.min(settings.max_iterations);
         interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
         for product in settings.arc_products {
-            let left = max - system.factorisations.min(max);
+            let left = max.saturating_sub(system.factorisations);
             if trial.is_solved() || left == 0 {
                 break;
             }
@@ -122,7 +122,7 @@ impl Coulomb {
             if let Some(z) = end.filter(|_| trial.is_solved() && !goal.at_once) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
                 let z = system.near(u, &s, settings.share * goal.tolerance);
-                let left = (max - system.factorisations.min(max)).min(settings.max_sharpening);
+                let left = max.saturating_sub(system.factorisations).min(settings.max_sharpening);
                 interior::iterate(&mut system, z, &settings.interior, left, &mut trial);
             }
         }
@@ -192,18 +192,14 @@ impl<'a> Trial<'a> {
         }
         let cells = system.cells.iter().zip(&z.cells);
         let clamped = cells.map(|(cell, x)| cell.clamp(&x.s));
-        let forces: Vec<_> = clamped.map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
-        self.offer(&forces, &displacements)
+        let forces = clamped.map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
+        self.offer(forces, displacements)
     }
 
     /// Evaluates forces, N, and displacements, m; whether they are a solution.
-    fn offer(&mut self, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> bool {
-        let mut solution = ConeSolution {
-            law: SlidingLaw::Coulomb,
-            forces: forces.to_vec(),
-            displacements: displacements.to_vec(),
-            ..ConeSolution::default()
-        };
+    fn offer(&mut self, forces: Vec<[f64; 3]>, displacements: Vec<[f64; 3]>) -> bool {
+        let law = SlidingLaw::Coulomb;
+        let mut solution = ConeSolution { law, forces, displacements, ..Default::default() };
         let r = choose_displacements(self.program, &mut solution, self.goal.tolerance).worst();
         self.residuals = [self.residuals[1], r];
         if r < self.worst {
