@@ -80,7 +80,6 @@ impl ConeSolver for Clarabel {
         solver.solve();
         let raw = &solver.solution;
         let mut solution = ConeSolution {
-            status: SolveStatus::Stalled,
             forces: low.forces(program, &raw.x),
             displacements: low.displacements(program, &raw.z),
             iterations: raw.iterations,

@@ -128,8 +128,8 @@ impl Elimination<'_> {
             l
         };
         part.locals = used.iter().map(with_others_held).collect();
-        let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
-        let result = iterate::<S, F>(&part, &mut matrix, &from, &self.settings.newton, goal, None);
+        let settings = &self.settings.newton;
+        let result = iterate::<S, F>(&part, &mut matrix, &part.known, settings, goal, None);
         if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
             return None;
         }
