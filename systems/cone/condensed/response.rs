@@ -31,11 +31,10 @@ impl LinearResponse {
     ) -> Option<Vec<[f64; 3]>> {
         let matrix = &mut self.0;
         let scaled = matrix.pose(program);
-        let order = matrix.order().to_vec();
         let (du, df) = program.scales.units();
         let carrying = Carrying::new(program, solution);
         let mut x = vec![[0.0; 3]; scaled.places()];
-        for (x, body) in x.iter_mut().zip(&order) {
+        for (x, body) in x.iter_mut().zip(matrix.order()) {
             *x = [0, 1, 2].map(|k| loads[*body][k] / df[k]);
         }
         matrix.clear();
@@ -58,9 +57,9 @@ impl LinearResponse {
         if !matrix.factorise_shifted_and_solve(&mut x) {
             return None;
         }
-        let mut out = vec![[0.0; 3]; order.len()];
-        for ((x, body), free) in x.iter().zip(&order).zip(&scaled.free) {
-            out[*body] = [0, 1, 2].map(|k| if free[k] { x[k] * du[k] } else { 0.0 });
+        let mut out = vec![[0.0; 3]; program.bodies.len()];
+        for (i, k) in scaled.all_free() {
+            out[matrix.order()[i]][k] = x[i][k] * du[k];
         }
         Some(out)
     }

@@ -83,12 +83,10 @@ struct Sweeps<const F: usize> {
 
 impl<const F: usize> Sweeps<F> {
     fn new(program: &ConeProgram, scaled: &Scaled, law: SlidingLaw) -> Self {
-        let root: Vec<[f64; 3]> = (0..scaled.free.len())
-            .map(|i| {
-                let of = |k: usize| scaled.weight[i][k].sqrt().recip();
-                [0, 1, 2].map(|k| if scaled.free[i][k] { of(k) } else { 0.0 })
-            })
-            .collect();
+        let mut root = vec![[0.0; 3]; scaled.free.len()];
+        for (i, k) in scaled.all_free() {
+            root[i][k] = scaled.weight[i][k].sqrt().recip();
+        }
         let contacts: Vec<Contact<F>> =
             scaled.locals.iter().map(|l| Contact::new(l, &root)).collect();
         let loads = root.iter().zip(&scaled.right);
