@@ -6,7 +6,7 @@
 
 use super::matrix::BodyMatrix;
 use super::scaled::Local;
-use crate::program::{ConeProgram, ConeSolution};
+use crate::program::{ConeProgram, ConeSolution, Interaction};
 use crate::residuals::Carrying;
 
 /// Minimum compliance over displacement scale/force scale.
@@ -39,11 +39,9 @@ impl LinearResponse {
         }
         matrix.clear();
         let mut values = matrix.assembly();
-        for (k, local) in scaled.locals.iter().enumerate() {
-            let is_loaded =
-                program.interactions[k].limits.has_strength() || carrying.is_carrying(k);
-            if is_loaded {
-                let d = stiffness(program, solution, local, k);
+        for (k, (local, c)) in scaled.locals.iter().zip(&program.interactions).enumerate() {
+            if c.limits.has_strength() || carrying.is_carrying(k) {
+                let d = stiffness(c, &solution.forces[k], local);
                 values.add(k, &local.arms.rows, &d);
                 let e = misfits.get(k).map_or([0.0; 2], |e| [e[0] / du[0], e[1] / du[0]]);
                 let force = [d[0][0] * e[0], d[1][1] * e[1], 0.0];
@@ -65,14 +63,8 @@ impl LinearResponse {
     }
 }
 
-/// Stiffness of an interaction that carries a force.
-fn stiffness(
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    local: &Local,
-    k: usize,
-) -> [[f64; 3]; 3] {
-    let (c, f) = (&program.interactions[k], &solution.forces[k]);
+/// Stiffness of an interaction that carries the forces `f`.
+fn stiffness(c: &Interaction, f: &[f64; 3], local: &Local) -> [[f64; 3]; 3] {
     let mut d = [[0.0; 3]; 3];
     for (i, gives_way) in [false, c.limits.slides(f), c.limits.rolls(f)].into_iter().enumerate() {
         if local.has[i] && !gives_way {

@@ -141,12 +141,10 @@ impl<'a> System<'a> {
         self.program.clear_fixed(&mut right);
         let du = self.solve_bodies(right);
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
-        let cells = cells
-            .map(|((cell, linear), (x, r))| {
-                cell.step(linear, x, r, &cell.local.arms.kinematics(&du))
-            })
-            .collect();
-        Vector { u: du, cells }
+        let kinematics = |cell: &Cell| cell.local.arms.kinematics(&du);
+        let cells =
+            cells.map(|((cell, linear), (x, r))| cell.step(linear, x, r, &kinematics(cell)));
+        Vector { cells: cells.collect(), u: du }
     }
 
     /// Solves the condensed system, with refinement.

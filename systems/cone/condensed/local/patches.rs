@@ -91,11 +91,8 @@ impl Elimination<'_> {
             members.iter().flat_map(|i| self.adjacency.of(*i)).copied().collect();
         used.sort_unstable();
         used.dedup();
-        let mut bodies: Vec<usize> = used
-            .iter()
-            .flat_map(|k| program.pair(&program.locals[*k]))
-            .chain(members.iter().copied())
-            .collect();
+        let joined = used.iter().flat_map(|k| program.pair(&program.locals[*k]));
+        let mut bodies: Vec<usize> = joined.chain(members.iter().copied()).collect();
         bodies.sort_unstable();
         bodies.dedup();
         let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
