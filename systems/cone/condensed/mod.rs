@@ -79,15 +79,12 @@ impl ConeSolver for Condensed {
         }
         let asleep = sleeping::find(program, &self.last);
         let awake = asleep.map(|asleep| self.solve_awake(program, tolerance, asleep));
-        let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
-        let solution = match awake {
-            Some(solution) if solution.status == SolveStatus::Solved => solution,
-            _ => {
-                let at_rest = vec![false; program.bodies.len()];
-                let whole = self.solve_reduced(program, tolerance, at_rest);
-                ConeSolution { iterations: spent + whole.iterations, ..whole }
-            }
-        };
+        let mut solution = awake.unwrap_or_default();
+        if solution.status != SolveStatus::Solved {
+            let spent = solution.iterations;
+            solution = self.solve_reduced(program, tolerance, vec![false; program.bodies.len()]);
+            solution.iterations += spent;
+        }
         if solution.status == SolveStatus::Solved {
             self.last.clone_from(&solution.displacements);
         }

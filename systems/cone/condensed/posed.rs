@@ -107,7 +107,8 @@ impl<'a> Posed<'a> {
             local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)
         });
         self.iterations += result.iterations;
-        let solution = units.solution(&result.u, &result.s, self.iterations, "newton");
+        let mut solution = units.solution(&result.u, &result.s, "newton");
+        solution.iterations = self.iterations;
         (result, solution)
     }
 
@@ -150,7 +151,8 @@ impl<'a> Posed<'a> {
             interior::solve(scaled, matrix, start, warm, &settings.interior, goal, units)
         });
         self.iterations += point.iterations;
-        let mut found = units.solution(&point.u, &point.s, self.iterations, message);
+        let mut found = units.solution(&point.u, &point.s, message);
+        found.iterations = self.iterations;
         if end == SolveStatus::Collapsed {
             found.certificate = units.mechanism(&point.u);
             found.displacements =
@@ -202,17 +204,10 @@ impl Units<'_> {
 
     /// The solution with these displacements and forces, solved if its residual is within the
     /// tolerance. With inertia displacements follow from the forces, as those that are committed.
-    fn solution(
-        &self,
-        u: &[[f64; 3]],
-        s: &[[f64; 3]],
-        iterations: u32,
-        message: &str,
-    ) -> ConeSolution {
+    fn solution(&self, u: &[[f64; 3]], s: &[[f64; 3]], message: &str) -> ConeSolution {
         let mut solution = ConeSolution {
             forces: self.forces(s),
             displacements: self.displacements(u),
-            iterations,
             message: message.to_owned(),
             ..ConeSolution::default()
         };
@@ -228,7 +223,7 @@ impl Units<'_> {
 
 impl Judge for Units<'_> {
     fn is_solution(&self, point: &Interior) -> bool {
-        self.solution(&point.u, &point.s, 0, "").status == SolveStatus::Solved
+        self.solution(&point.u, &point.s, "").status == SolveStatus::Solved
     }
 
     fn proof(&self, point: &Interior) -> Option<SolveStatus> {
