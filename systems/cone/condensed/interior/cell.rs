@@ -48,7 +48,7 @@ pub struct Cells {
     pub wheel: Vec<Cell<3, 2>>,
 }
 
-/// Evaluates an expression for every interaction of some cells, or of all in groups of them.
+/// Evaluates an expression for every interaction `of` cells, or `in` groups of cells.
 macro_rules! for_each {
     ($cell:ident in $groups:expr => $what:expr) => {
         for cells in $groups.all() {

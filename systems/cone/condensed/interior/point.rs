@@ -33,7 +33,7 @@ pub trait Judge {
     /// Whether the point solves the program within its tolerance.
     fn is_solution(&self, point: &Interior) -> bool;
 
-    /// What point or direction prove: a collapse if the displacements are a mechanism, or that rigid
+    /// What a point or a step proves: a collapse if the displacements are a mechanism, or that rigid
     /// bodies are locked by the forces.
     fn proof(&self, point: &Interior) -> Option<SolveStatus>;
 }
