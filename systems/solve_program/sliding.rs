@@ -97,7 +97,7 @@ pub fn solve_sliding(
     let aim = MARGIN * enough;
     let asked = super::asked(enough, &analysis, &attempt, &bodies);
     let at_once = first_point_suffices(&associated, &analysis, &program, asked);
-    let goal = if at_once { Goal::enough(aim) } else { Goal::exact(aim) };
+    let goal = Goal { tolerance: aim, at_once };
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
     // belong to its state at rest, from which the associated solution may be far away. Sweeps begin
     // with them.
