@@ -1,15 +1,8 @@
 //! The `Increment` schedule and its sets. The order of all systems must be stated.
 //!
-//! One run of [`Increment`] commits one increment (or the fraction of one that could be solved):
-//!
-//! ```text
-//! Increment:         Controls -> Gather -> Renumber -> Draft -> Attempts -> Update -> Rupture
-//!                    -> Record
-//!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
-//!   Attempts runs    AttemptIncrement, repeated until an attempt is accepted:
-//!                    Detect -> Assemble -> AssembleExtra -> Balance -> Solve -> Judge
-//!                    and AddTrialLoads whenever a trial begins
-//! ```
+//! One run of [`Increment`] commits one increment (or the fraction of one that could be solved).
+//! Its sets run [`ControlWalls`], and [`AttemptIncrement`] until an attempt is accepted, with
+//! [`AddTrialLoads`] whenever a trial begins.
 //!
 //! Attempts read and write tables that are gathered once per increment. Bodies, walls, bonds and
 //! the contact history change only when an attempt is committed. A failed attempt changes nothing.
@@ -127,11 +120,6 @@ pub fn start_clock(mut lap: ResMut<Lap>, mut timings: ResMut<Timings>) {
 /// Name of [`ClasticProgress`] in a state.
 pub const PROGRESS: &str = "progress";
 
-/// Run condition: rows have changed because bodies were added or removed.
-pub fn rows_changed(rows: Res<KeptRows>) -> bool {
-    rows.is_needed()
-}
-
 /// Run condition: the attempts ended in a state that is committed.
 pub fn committed(attempt: Res<Attempt>) -> bool {
     attempt.status.is_committed()
@@ -160,7 +148,7 @@ impl Plugin for SchedulePlugin {
             // `Gather` is finished, even if a later system halts the world.
             schedule.configure_sets(AfterGather.run_if(not(resource_exists::<ClasticHalted>)));
             let after_gather = (
-                IncrementSystems::Renumber.run_if(rows_changed),
+                IncrementSystems::Renumber.run_if(|rows: Res<KeptRows>| rows.is_needed()),
                 IncrementSystems::Draft,
                 IncrementSystems::Attempts,
                 IncrementSystems::Update.run_if(committed),

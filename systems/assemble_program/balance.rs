@@ -14,14 +14,14 @@ use clastic_components::loads::AddedLoad;
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
 
-use super::{Settings, Trial, cell};
+use super::Trial;
 
 /// A body that does not move.
 const STILL: ProgramBody = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };
 
 /// Fills the bodies of the program, one per row.
-pub(super) fn assemble(trial: &Trial, settings: &Settings, program: &mut ConeProgram) {
-    let rows = Rows::new(trial, settings, &program.interactions);
+pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
+    let rows = Rows::new(trial, &program.interactions);
     let bodies = rows.bodies;
     let out = &mut program.bodies;
     out.clear();
@@ -35,7 +35,7 @@ pub(super) fn assemble(trial: &Trial, settings: &Settings, program: &mut ConePro
     for wall in bodies.walls.iter().filter(|wall| bodies.group(wall.body as usize).is_none()) {
         out[wall.body as usize] = rows.wall(wall);
     }
-    out.extend(bodies.cell.map(|cell| cell::body(bodies, &cell, rows.analysis, rows.progress)));
+    out.extend(bodies.cell.map(|cell| rows.cell(&cell)));
 }
 
 /// What the rows of the bodies follow from.
@@ -51,9 +51,8 @@ pub(super) struct Rows<'a> {
 }
 
 impl<'a> Rows<'a> {
-    fn new(trial: &'a Trial, settings: &'a Settings, interactions: &[Interaction]) -> Self {
-        let Trial { bodies, loads, progress, .. } = trial;
-        let analysis = &settings.analysis;
+    fn new(trial: &'a Trial, interactions: &[Interaction]) -> Self {
+        let Trial { bodies, loads, progress, analysis, .. } = trial;
         let mut touched = vec![(false, false); bodies.positions.len()];
         for c in interactions {
             let turns = c.limits.has_shear() || c.limits.has_rolling();

@@ -63,18 +63,20 @@ impl Class {
     }
 }
 
-/// Replaces `out` by all pairs `i < j` with [`gap`] `<= reach`, sorted.
+/// All pairs `i < j` with [`gap`] `<= reach`, sorted.
 ///
 /// `positions` and `radii` (m, not negative) are of equal length; `reach` (m) may be negative (deep
 /// overlaps only) or infinite (all pairs). A disk whose position or radius is not finite is in no
 /// pair.
-pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64, out: &mut Vec<(u32, u32)>) {
-    out.clear();
+#[must_use]
+pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
     let _ = visit_pairs(positions, radii, reach, |pair| {
-        out.push(pair);
+        pairs.push(pair);
         ControlFlow::Continue(())
     });
-    out.sort_unstable();
+    pairs.sort_unstable();
+    pairs
 }
 
 /// Number of the pairs that [`pairs_within`] lists, up to `most`. Memory stays O(n) even if the
@@ -217,8 +219,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn check(positions: &[DVec2], radii: &[f64], reach: f64) -> usize {
-        let mut found = vec![(9, 9)];
-        pairs_within(positions, radii, reach, &mut found);
+        let found = pairs_within(positions, radii, reach);
         assert_eq!(found, brute_force(positions, radii, reach));
         assert_eq!(count_within(positions, radii, reach, usize::MAX), found.len());
         assert_eq!(count_within(positions, radii, reach, 7), found.len().min(7));
@@ -263,8 +264,7 @@ mod tests {
         positions[12].x = -f64::NAN; // sorts before all numbers
         positions[7].y = f64::INFINITY;
         radii[9] = f64::NAN;
-        let mut found = Vec::new();
-        pairs_within(&positions, &radii, 1.0, &mut found);
+        let found = pairs_within(&positions, &radii, 1.0);
         assert!(
             !found.is_empty()
                 && found.iter().all(|(a, b)| [3, 7, 9, 12].iter().all(|i| a != i && b != i))

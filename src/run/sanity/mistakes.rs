@@ -138,8 +138,7 @@ fn overlap(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
         return None;
     }
     let (places, radii): (Vec<_>, Vec<_>) = seeds.iter().map(|s| (s.position, s.radius)).unzip();
-    let mut pairs = Vec::new();
-    pairs_within(&places, &radii, 0.0, &mut pairs);
+    let mut pairs = pairs_within(&places, &radii, 0.0);
     let of_pair = |(a, b): (u32, u32)| {
         let (a, b) = (a as usize, b as usize);
         let gap = places[a].distance(places[b]) - radii[a] - radii[b];
