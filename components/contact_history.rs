@@ -54,7 +54,8 @@ impl KeptRows {
     }
 
     /// New row of the body that was in `row` before; `None` if the body was removed.
-    fn now(&self, row: u32) -> Option<u32> {
+    #[must_use]
+    pub fn now(&self, row: u32) -> Option<u32> {
         self.now.get(row as usize).copied().flatten()
     }
 

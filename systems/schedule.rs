@@ -120,18 +120,20 @@ pub fn start_clock(mut lap: ResMut<Lap>, mut timings: ResMut<Timings>) {
 /// Name of [`ClasticProgress`] in a state.
 pub const PROGRESS: &str = "progress";
 
+/// Run condition: rows have changed because bodies were added or removed.
+pub fn rows_changed(rows: Res<KeptRows>) -> bool {
+    rows.is_needed()
+}
+
 /// Run condition: the attempts ended in a state that is committed.
 pub fn committed(attempt: Res<Attempt>) -> bool {
     attempt.status.is_committed()
 }
 
-/// Why the run has stopped. No increment is made while the world has this resource.
+/// Why the run has stopped, in words. No increment is made while the world has this resource.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct ClasticHalted(
-    /// What happened.
-    pub String,
-);
+pub struct ClasticHalted(pub String);
 
 /// Adds the four schedules with their sets.
 pub struct SchedulePlugin;
@@ -148,7 +150,7 @@ impl Plugin for SchedulePlugin {
             // `Gather` is finished, even if a later system halts the world.
             schedule.configure_sets(AfterGather.run_if(not(resource_exists::<ClasticHalted>)));
             let after_gather = (
-                IncrementSystems::Renumber.run_if(|rows: Res<KeptRows>| rows.is_needed()),
+                IncrementSystems::Renumber.run_if(rows_changed),
                 IncrementSystems::Draft,
                 IncrementSystems::Attempts,
                 IncrementSystems::Update.run_if(committed),

@@ -106,20 +106,19 @@ fn interaction(
     let [turned, lag] = corrections.shift(contact);
     let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
     let shift = corrections.shear_shift(pair, tangential_compliance);
-    let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
-    let gap = match analysis.kind {
-        AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,
-        // A group that is held along one direction and turns may touch on the left and on the right
-        // of its centre. A rotation that removes the round-off on one side adds to it on the other.
-        AnalysisKind::Dynamic { .. }
-            if normal == 0.0
-                && round_off.contains(&gap)
-                && [contact.a, contact.b].iter().any(|body| is_imposed_on(bodies, *body)) =>
-        {
-            0.0
-        }
-        _ => gap,
-    };
+    let has_round_off = normal == 0.0 && (-ROUND_OFF * bodies.mean_radius..0.0).contains(&gap);
+    let is_touch = has_round_off
+        && match analysis.kind {
+            AnalysisKind::Static => true,
+            // A group that is held along one direction and turns may touch on the left and on the
+            // right of its centre. A rotation that removes the round-off on one side adds to it on
+            // the other.
+            AnalysisKind::Dynamic { .. } => {
+                [contact.a, contact.b].iter().any(|body| is_imposed_on(bodies, *body))
+            }
+            AnalysisKind::Compaction { .. } => false,
+        };
+    let gap = if is_touch { 0.0 } else { gap };
     Interaction {
         normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,

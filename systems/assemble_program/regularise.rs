@@ -60,14 +60,12 @@ pub(super) fn regularise(trial: &Trial, program: &mut ConeProgram) {
                 group.members.iter().all(|i| regularised[*i as usize]);
         }
     }
-    for (i, is_regularised) in regularised.iter_mut().enumerate() {
-        *is_regularised |= bearing(i) == Bearing::Nothing;
-    }
+    let takes_part = |i: usize| regularised[i] || bearing(i) == Bearing::Nothing;
     let unit = program.scales.force / program.scales.displacement;
     let part = if retry { WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves)) } else { least };
     let weight = unit * part.max(least);
     let length = program.scales.length;
-    for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| regularised[*i]) {
+    for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| takes_part(*i)) {
         for (k, dof) in body.dofs.iter_mut().enumerate() {
             if let Dof::Free(free) = dof {
                 free.proximal = if k < 2 { weight } else { weight * length * length };

@@ -115,7 +115,13 @@ fn hold_cluster(
         .map(|i| bodies.positions[*i].distance(centre))
         .fold(bodies.mean_radius, f64::max);
     let mut gram = vec![vec![0.0; unknowns]; unknowns];
-    let mut add = |row: &[f64]| {
+    // A constraint on the rigid motion of the cluster, and on that of one of its walls.
+    let mut add = |motion: [f64; 3], wall: Option<(usize, f64)>| {
+        let mut row = vec![0.0; unknowns];
+        row[..3].copy_from_slice(&motion);
+        if let Some((wall, along)) = wall {
+            row[3 + wall] = along;
+        }
         for (i, x) in row.iter().enumerate() {
             for (j, y) in row.iter().enumerate() {
                 gram[i][j] += x * y;
@@ -127,18 +133,13 @@ fn hold_cluster(
         // Rigid motion of the cluster along d, at body i.
         let along = |d: DVec2| [d.x, d.y, arm.x * d.y - arm.y * d.x];
         for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
-            let mut row = vec![0.0; unknowns];
             match dof {
-                Dof::Free(_) => continue,
-                Dof::Fixed(_) if k < 2 => {
-                    row[..3].copy_from_slice(&along(if k == 0 { DVec2::X } else { DVec2::Y }));
-                }
+                Dof::Fixed(_) if k < 2 => add(along([DVec2::X, DVec2::Y][k]), None),
                 // A group whose rotation is imposed does not turn with the cluster.
-                Dof::Fixed(_) if i >= bodies.first_group() => row[2] = 1.0,
+                Dof::Fixed(_) if i >= bodies.first_group() => add([0.0, 0.0, 1.0], None),
                 // A disk without a rotation row turns freely and does not hold the cluster.
-                Dof::Fixed(_) => continue,
+                Dof::Fixed(_) | Dof::Free(_) => {}
             }
-            add(&row);
         }
         for &k in adjacency.of(i) {
             let c = stiff[k];
@@ -151,22 +152,16 @@ fn hold_cluster(
             // A wall that is no line may be pushed along its axis by friction as well.
             let mut hold = |axis: DVec2, [arm_a, arm_b]: [f64; 2]| {
                 let (direction, arm) = if first { (axis, arm_a) } else { (-axis, arm_b) };
-                let mut row = vec![0.0; unknowns];
-                row[..3].copy_from_slice(&along(direction));
-                row[2] += arm / extent;
-                if let Some(w) = wall {
-                    row[3 + w] = -direction.dot(program.bodies[other].axis);
-                }
-                add(&row);
+                let [x, y, turn] = along(direction);
+                let of_wall = wall.map(|w| (w, -direction.dot(program.bodies[other].axis)));
+                add([x, y, turn + arm / extent], of_wall);
             };
             hold(c.normal, [c.normal_arm_a, c.normal_arm_b]);
             if c.limits.has_shear() {
                 hold(c.normal.perp(), [c.arm_a, c.arm_b]);
             }
             if c.limits.has_rolling() {
-                let mut roll = vec![0.0; unknowns];
-                roll[2] = bodies.mean_radius / extent;
-                add(&roll);
+                add([0.0, 0.0, bodies.mean_radius / extent], None);
             }
         }
     }

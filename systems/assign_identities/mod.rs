@@ -83,10 +83,7 @@ pub enum IdentityError {
     },
     /// An entity has two of `Particle`, `Wall` and `RigidGroup`.
     #[error("entity {0} is two of Particle, Wall and RigidGroup; spawn one entity for each body")]
-    TwoBodies(
-        /// The entity.
-        Entity,
-    ),
+    TwoBodies(Entity),
     /// The two entities cannot be joined.
     #[error("Bond::between({a}, {b}): {what}")]
     Joint {

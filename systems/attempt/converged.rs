@@ -74,8 +74,7 @@ pub fn judge(
         SolveStatus::Stalled => Verdict::Unconverged(complaint(&attempt.best, solution.tolerance)),
     };
     let fails = matches!(attempt.verdict, Verdict::Impossible | Verdict::Unconverged(_));
-    let in_pass = fails && corrections.passes > 0;
-    if in_pass {
+    if fails && corrections.passes > 0 {
         // A guess of the end proves nothing.
         let why = match std::mem::take(&mut attempt.verdict) {
             Verdict::Unconverged(why) => why,

@@ -26,8 +26,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
     program.add_forces(&solution.forces, &mut after);
     // Bonds that broke and whose bodies are no longer a potential contact.
     for released in starts.released {
-        let key = (released.a, released.b);
-        if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
+        if contacts.0.binary_search_by_key(&(released.a, released.b), |c| (c.a, c.b)).is_err() {
             let mut c = [bond_of(bodies, released)];
             set_images(bodies, &mut c);
             join(bodies, &[], &mut c);
