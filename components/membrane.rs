@@ -88,7 +88,7 @@ impl MembraneShape {
     /// pressure on the change of this area. `None` if only one side is covered.
     #[must_use]
     pub fn area(&self) -> Option<f64> {
-        self.area_within(self.chains.iter().flat_map(|chain| chain.points.clone()).collect())
+        self.area_within(self.chains.iter().flat_map(|chain| &chain.points).copied().collect())
     }
 
     /// Area within the outer points of the chains ([`Chain::outer_points`]), m^2: the area of the
