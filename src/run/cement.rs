@@ -110,7 +110,7 @@ fn near(bodies: &BodyTable, stage: &Cement, takes_part: &[bool], length: f64) ->
         let disks = &bodies.positions[..n];
         match &bodies.cell {
             Some(cell) => pairs = periodic::pairs_within(cell, disks, &bodies.radii, length),
-            None => pairs_within(disks, &bodies.radii, length, &mut pairs),
+            None => pairs = pairs_within(disks, &bodies.radii, length),
         }
     }
     let mut contacts: Vec<Contact> =

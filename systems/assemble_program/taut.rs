@@ -11,7 +11,7 @@
 use clastic_components::increment::AnalysisKind;
 use clastic_cone::program::{ConeProgram, Interaction, Limits};
 
-use super::{Found, Settings, Trial};
+use super::Trial;
 use crate::solved::Solved;
 
 /// Elongation over the length of a bond below which it counts as slack.
@@ -30,13 +30,8 @@ fn tension(bond: &Interaction, tension: f64) -> f64 {
 }
 
 /// Appends the ties of taut bonds.
-pub(super) fn assemble(
-    trial: &Trial,
-    settings: &Settings,
-    found: &Found,
-    program: &mut ConeProgram,
-) {
-    if settings.analysis.kind != AnalysisKind::Static {
+pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
+    if trial.analysis.kind != AnalysisKind::Static {
         return;
     }
     let ConeProgram { interactions, last_forces, .. } = program;
@@ -46,7 +41,7 @@ pub(super) fn assemble(
         if contact.b as usize >= trial.bodies.particles {
             continue;
         }
-        let guess = found.corrections.of((contact.a, contact.b));
+        let guess = trial.corrections.of((contact.a, contact.b));
         let tension = tension(&bond, guess.map_or(-last_forces[k][0], |guess| guess.tension));
         if tension > 0.0 {
             interactions.push(Interaction {
@@ -62,9 +57,8 @@ pub(super) fn assemble(
 }
 
 /// The ties of a program in the order of their contacts: the index of the contact and that of the tie.
-pub fn ties(
-    Solved { bodies, contacts, program, .. }: Solved<'_>,
-) -> impl Iterator<Item = (usize, usize)> {
+pub fn ties(solved: Solved) -> impl Iterator<Item = (usize, usize)> {
+    let Solved { bodies, contacts, program, .. } = solved;
     let listed = contacts.0.len();
     let mut next = 0;
     // Interactions of plugins follow, of which none is across a contact between its bodies.

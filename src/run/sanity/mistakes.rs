@@ -139,8 +139,7 @@ fn overlap(scene: &Scene, seeds: &[Particle]) -> Option<String> {
     }
     let (places, radii): (Vec<DVec2>, Vec<_>) =
         seeds.iter().map(|seed| (DVec2::from(seed.position), seed.radius)).unzip();
-    let mut pairs = Vec::new();
-    pairs_within(&places, &radii, 0.0, &mut pairs);
+    let mut pairs = pairs_within(&places, &radii, 0.0);
     let of_pair = |(a, b): (u32, u32)| {
         let (a, b) = (a as usize, b as usize);
         let gap = places[a].distance(places[b]) - radii[a] - radii[b];
