@@ -56,20 +56,16 @@ pub enum Verdict {
     Unconverged(String),
     /// Rigid bodies have no feasible motion.
     Locked,
-    /// The solution moves so far that its constant normals are no longer valid.
-    TooFar(
-        /// The grain and the turn of its contacts, or its travel in a step of a motion.
-        String,
-    ),
+    /// The solution moves so far that its constant normals are no longer valid: the grain and the
+    /// turn of its contacts, or its travel in a step of a motion.
+    TooFar(String),
     /// A step of a motion is accepted, and the motion goes on.
     Moving,
     /// A step of a motion is accepted, and the motion has come to rest.
     AtRest,
-    /// A step of a motion is accepted, and its grains have travelled too far to come to rest.
-    GivesWay(
-        /// Their travel.
-        String,
-    ),
+    /// A step of a motion is accepted, and its grains have travelled too far to come to rest: their
+    /// travel.
+    GivesWay(String),
 }
 
 /// Status at the end of an increment. The history file uses these names.

@@ -60,6 +60,14 @@ pub enum BodyDrive {
     Imposed(f64),
 }
 
+impl BodyDrive {
+    /// The imposed displacement (m) or rotation (rad); `None` if it is free.
+    #[must_use]
+    pub fn imposed(self) -> Option<f64> {
+        if let Self::Imposed(u) = self { Some(u) } else { None }
+    }
+}
+
 /// Drives of the three degrees of freedom of a particle: x, y, rotation.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
@@ -140,9 +148,7 @@ impl LoadControl {
     /// ([`ClasticProgress::retarget`](crate::increment::ClasticProgress::retarget)).
     #[must_use]
     pub fn retarget(self, progress: &crate::increment::ClasticProgress, targets: [f64; 3]) -> Self {
-        let Self([x, y, moment]) = self;
-        let aim = |(from, to), target| progress.retarget(from, to, target);
-        Self([aim(x, targets[0]), aim(y, targets[1]), aim(moment, targets[2])])
+        Self(std::array::from_fn(|k| progress.retarget(self.0[k].0, self.0[k].1, targets[k])))
     }
 }
 

@@ -1,7 +1,6 @@
 //! A periodic cell: the specimen repeats along two vectors, and no wall holds it.
 
 use bevy_ecs::prelude::*;
-use clastic_cone::program::ProgramCell;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
@@ -90,14 +89,9 @@ impl PeriodicCell {
         DVec2::new(x - (x / self.width).floor() * self.width, place.y - rows * self.height)
     }
 
-    /// The body of the program that represents the cell, in this row.
-    #[must_use]
-    pub fn in_program(&self, row: usize, mean_radius: f64) -> ProgramCell {
-        ProgramCell { body: row as u32, arm: mean_radius }
-    }
-
-    /// Axis of the first degree of freedom of that body. With `by_mean` it is the diagonal, along
-    /// which width and height strain alike.
+    /// Axis of the first degree of freedom of the [body](clastic_cone::program::ProgramCell) of the
+    /// program that represents the cell. With `by_mean` it is the diagonal, along which width and
+    /// height strain alike.
     #[must_use]
     pub fn axis(&self) -> DVec2 {
         if self.by_mean { DVec2::splat(0.5_f64.sqrt()) } else { DVec2::X }

@@ -192,10 +192,8 @@ impl BodyTable {
     /// increment, m.
     #[must_use]
     pub fn imposed_motion(&self, group: &GroupRow) -> f64 {
-        let [x, y, turn] = [0, 1, 2].map(|k| match self.group_drive(group, k) {
-            BodyDrive::Imposed(u) => u,
-            BodyDrive::Free => 0.0,
-        });
+        let [x, y, turn] =
+            [0, 1, 2].map(|k| self.group_drive(group, k).imposed().unwrap_or_default());
         x.hypot(y) + turn.abs() * group.extent
     }
 
@@ -248,17 +246,7 @@ impl BodyTable {
 
     /// Takes these bonds out of the intact ones.
     pub fn break_bonds(&mut self, broken: &[BondId]) {
-        if broken.is_empty() {
-            return;
-        }
-        let taken = &mut self.broken;
-        self.bonds.retain(|bond| {
-            let breaks = broken.contains(&bond.id);
-            if breaks {
-                taken.push(*bond);
-            }
-            !breaks
-        });
+        self.broken.extend(self.bonds.extract_if(.., |bond| broken.contains(&bond.id)));
     }
 
     /// Whether a particle has a load of its own.

@@ -69,21 +69,8 @@ impl Energies {
     /// All terms, J, in the order of the fields.
     #[must_use]
     pub fn to_array(&self) -> [f64; 13] {
-        [
-            self.external,
-            self.gravity,
-            self.exchange,
-            self.kinetic,
-            self.elastic,
-            self.friction,
-            self.rolling,
-            self.dilation,
-            self.collision,
-            self.rupture,
-            self.motion,
-            self.turning,
-            self.numerical,
-        ]
+        let mut terms = *self;
+        terms.terms_mut().map(|term| *term)
     }
 
     fn terms_mut(&mut self) -> [&mut f64; 13] {

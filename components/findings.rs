@@ -188,11 +188,6 @@ impl Guesses {
 }
 
 impl Corrections {
-    /// Keeps the solution with the geometry of the start: no pass follows.
-    pub fn give_up(&mut self) {
-        *self = Self { capped: true, ..Self::default() };
-    }
-
     /// The correction of a pair, if it has one.
     #[must_use]
     pub fn of(&self, pair: (u32, u32)) -> Option<&Correction> {

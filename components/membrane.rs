@@ -88,26 +88,28 @@ impl MembraneShape {
     /// pressure on the change of this area. `None` if only one side is covered.
     #[must_use]
     pub fn area(&self) -> Option<f64> {
-        let points: Vec<DVec2> =
-            self.chains.iter().flat_map(|chain| &chain.points).copied().collect();
-        area_within(&points).filter(|_| self.is_around())
+        self.area_within(self.chains.iter().flat_map(|chain| &chain.points).copied().collect())
     }
 
     /// Area within the outer points of the chains ([`Chain::outer_points`]), m^2: the area of the
     /// specimen with its outermost grains. `None` if only one side is covered.
     #[must_use]
     pub fn outer_area(&self) -> Option<f64> {
-        let points: Vec<DVec2> = self.chains.iter().flat_map(Chain::outer_points).collect();
-        area_within(&points).filter(|_| self.is_around())
+        self.area_within(self.chains.iter().flat_map(Chain::outer_points).collect())
     }
 
-    /// Whether the chains enclose the specimen, alone or with two walls.
-    fn is_around(&self) -> bool {
-        match self.chains.as_slice() {
+    /// Area within these points of the chains in order, m^2, positive anticlockwise. `None` unless
+    /// the chains enclose the specimen, alone or with two walls.
+    fn area_within(&self, points: Vec<DVec2>) -> Option<f64> {
+        let is_around = match self.chains.as_slice() {
             [one] => one.closed,
             [_, _] => true,
             _ => false,
-        }
+        };
+        let first = *points.first().filter(|_| is_around)?;
+        let next = points[1..].iter().chain([&first]);
+        // Relative to the first point, which keeps digits where the origin is far away.
+        Some(points.iter().zip(next).map(|(a, b)| 0.5 * (*a - first).perp_dot(*b - first)).sum())
     }
 
     /// Mean width, m: area over the distance of the two walls. `None` unless both sides are
@@ -185,14 +187,6 @@ impl MembraneShape {
             .iter()
             .flat_map(|chain| chain.links().map(|(i, j)| [chain.points[i], chain.points[j]]))
     }
-}
-
-/// Area within a closed polygon, m^2, positive anticlockwise. `None` without points.
-fn area_within(points: &[DVec2]) -> Option<f64> {
-    let first = *points.first()?;
-    let next = points[1..].iter().chain([&first]);
-    // Relative to the first point, which keeps digits where the origin is far away.
-    Some(points.iter().zip(next).map(|(a, b)| 0.5 * (*a - first).perp_dot(*b - first)).sum())
 }
 
 /// A chain of neighbouring grains with the specimen on its left.

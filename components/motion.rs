@@ -8,8 +8,7 @@
 //! ```
 //!
 //! Time and mass have no physical meaning: the loads are constant, and only the state at rest
-//! matters. The first step makes the imposed motions of the increment, since where these destroy the
-//! equilibrium nothing would move without them; after it they stand still. Velocities are set to zero when the kinetic energy falls (kinetic damping: Cundall
+//! matters. Velocities are set to zero when the kinetic energy falls (kinetic damping, Cundall
 //! 1982).
 
 /// State of a motion between two steps.

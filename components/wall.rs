@@ -133,6 +133,16 @@ impl WallControl {
             _ => None,
         }
     }
+
+    /// Changes the value at the end of the stage and keeps the current value
+    /// ([`ClasticProgress::retarget`]). Controls without a load do not change.
+    #[must_use]
+    pub fn retarget(mut self, progress: &ClasticProgress, target: f64) -> Self {
+        if let Self::Force { from, to } | Self::Stress { from, to, .. } = &mut self {
+            (*from, *to) = progress.retarget(*from, *to, target);
+        }
+        self
+    }
 }
 
 /// The quantity of a [`WallTable`].
@@ -174,25 +184,6 @@ impl WallTable {
     pub fn next(&self, progress: &ClasticProgress, dt: Option<f64>) -> [Ramp; 2] {
         let s = |n: f64| dt.map_or_else(|| progress.part(n), |dt| n * dt);
         [1, 2].map(|k| progress.next(|n| value_at(&self.0, s(n), k)))
-    }
-}
-
-impl WallControl {
-    /// Changes the value at the end of the stage and keeps the current value
-    /// ([`ClasticProgress::retarget`]). Controls without a load do not change.
-    #[must_use]
-    pub fn retarget(self, progress: &ClasticProgress, target: f64) -> Self {
-        match self {
-            Self::Force { from, to } => {
-                let (from, to) = progress.retarget(from, to, target);
-                Self::Force { from, to }
-            }
-            Self::Stress { from, to, length } => {
-                let (from, to) = progress.retarget(from, to, target);
-                Self::Stress { from, to, length }
-            }
-            other => other,
-        }
     }
 }
 

@@ -44,7 +44,6 @@ pub mod cli;
 #[cfg(feature = "export")]
 pub mod export;
 pub mod frames;
-mod history_columns;
 pub mod output;
 pub mod run;
 pub mod saved;

@@ -58,19 +58,14 @@ pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
     q.clamp(-limit, limit)
 }
 
-/// Initial rolling moment of a contact whose bond has broken: the part that its limit allows. It is
-/// zero if the bond spanned a gap, or if the contact does not roll elastically.
+/// Initial rolling moment of a contact whose bond has broken: the part that its limit allows, with
+/// the common radius of its bodies (m). It is zero if the bond spanned a gap, or if the contact
+/// does not roll elastically.
 #[must_use]
-pub fn moment_after_rupture(
-    tau: f64,
-    contact: &Contact,
-    bodies: &BodyTable,
-    law: &ContactLaw,
-) -> f64 {
+pub fn moment_after_rupture(tau: f64, gap: f64, radius: f64, law: &ContactLaw) -> f64 {
     if law.rolling_compliance <= 0.0 || law.normal_compliance <= 0.0 {
         return 0.0;
     }
-    let p = (-contact.gap / law.normal_compliance).max(0.0);
-    let limit = law.rolling_friction * contact.common_radius(bodies) * p;
+    let limit = law.rolling_friction * radius * (-gap / law.normal_compliance).max(0.0);
     tau.clamp(-limit, limit)
 }

@@ -21,7 +21,7 @@ use clastic_components::wall_shape::WallShape;
 
 use crate::check_values::check_values;
 use crate::links;
-use crate::rigid_groups::{self, GroupQuery};
+use crate::rigid_groups::{self, GroupData};
 use crate::schedule::{ClasticHalted, Increment, IncrementSystems};
 use crate::state::RegisterState;
 
@@ -87,44 +87,36 @@ fn register_bodies(app: &mut App) {
         .register_resource::<ContactHistory>("contact_history");
 }
 
-type ParticleQuery<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Entity,
-        &'static BodyId,
-        &'static Particle,
-        &'static BodyPosition,
-        &'static BodyRotation,
-        &'static BodyVelocity,
-        &'static BodyAngularVelocity,
-        &'static LastMotion,
-        &'static MaterialIndex,
-        &'static BodyDrives,
-        &'static AppliedLoad,
-        Has<SetAside>,
-    ),
->;
+type ParticleData = (
+    Entity,
+    &'static BodyId,
+    &'static Particle,
+    &'static BodyPosition,
+    &'static BodyRotation,
+    &'static BodyVelocity,
+    &'static BodyAngularVelocity,
+    &'static LastMotion,
+    &'static MaterialIndex,
+    &'static BodyDrives,
+    &'static AppliedLoad,
+    Has<SetAside>,
+);
 
-type WallQuery<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Entity,
-        &'static BodyId,
-        &'static Wall,
-        &'static BodyPosition,
-        &'static LastMotion,
-        &'static ContactLaw,
-        &'static WallControl,
-        &'static WallDrive,
-        Option<&'static WallShape>,
-        Option<&'static WallRotation>,
-    ),
->;
+type WallData = (
+    Entity,
+    &'static BodyId,
+    &'static Wall,
+    &'static BodyPosition,
+    &'static LastMotion,
+    &'static ContactLaw,
+    &'static WallControl,
+    &'static WallDrive,
+    Option<&'static WallShape>,
+    Option<&'static WallRotation>,
+);
 
-type BondQuery<'w, 's> =
-    Query<'w, 's, (Entity, &'static BondId, &'static Bond, &'static BondState)>;
+/// A bond with its identity and its state.
+pub(crate) type BondData = (Entity, &'static BondId, &'static Bond, &'static BondState);
 
 /// Fills [`BodyTable`] with one row per body: particles by identity, then walls by identity, then
 /// rigid groups by identity.
@@ -132,10 +124,10 @@ type BondQuery<'w, 's> =
 /// A bond with a missing body has no row, nor has one between members of a rigid group.
 pub fn gather_bodies(
     mut bodies: ResMut<BodyTable>,
-    particles: ParticleQuery,
-    walls: WallQuery,
-    groups: GroupQuery,
-    bonds: BondQuery,
+    particles: Query<ParticleData>,
+    walls: Query<WallData>,
+    groups: Query<GroupData>,
+    bonds: Query<BondData>,
     links: Query<(Entity, &Link)>,
     cell: Option<Res<PeriodicCell>>,
 ) {
@@ -148,45 +140,31 @@ pub fn gather_bodies(
     bodies.bonds = gather_bonds(bodies, &bonds);
 }
 
-fn gather_particles(bodies: &mut BodyTable, particles: &ParticleQuery) {
+fn gather_particles(bodies: &mut BodyTable, particles: &Query<ParticleData>) {
     let mut sorted: Vec<_> = particles.iter().collect();
     sorted.sort_unstable_by_key(|row| *row.1);
-    for (
-        entity,
-        id,
-        particle,
-        position,
-        rotation,
-        velocity,
-        spin,
-        motion,
-        material,
-        drives,
-        load,
-        set_aside,
-    ) in sorted
-    {
+    for (entity, id, disk, x, turned, v, spin, motion, material, drives, load, aside) in sorted {
         bodies.ids.push(*id);
         bodies.entities.push(entity);
-        bodies.positions.push(position.0);
-        bodies.rotations.push(rotation.0);
-        bodies.velocities.push(velocity.0);
+        bodies.positions.push(x.0);
+        bodies.rotations.push(turned.0);
+        bodies.velocities.push(v.0);
         bodies.angular_velocities.push(spin.0);
         bodies.last_motion.push(motion.0);
-        bodies.radii.push(particle.radius);
-        bodies.masses.push(particle.mass);
-        bodies.inertias.push(particle.inertia);
+        bodies.radii.push(disk.radius);
+        bodies.masses.push(disk.mass);
+        bodies.inertias.push(disk.inertia);
         bodies.materials.push(material.0);
         bodies.drives.push(drives.0);
         bodies.loads.push(load.ramps());
-        bodies.set_aside.push(set_aside);
+        bodies.set_aside.push(aside);
     }
     let n = bodies.ids.len();
     bodies.particles = n;
     bodies.mean_radius = if n == 0 { 1.0 } else { bodies.radii.iter().sum::<f64>() / n as f64 };
 }
 
-fn gather_walls(bodies: &mut BodyTable, walls: &WallQuery) {
+fn gather_walls(bodies: &mut BodyTable, walls: &Query<WallData>) {
     let mut sorted: Vec<_> = walls.iter().collect();
     sorted.sort_unstable_by_key(|row| *row.1);
     for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in sorted {
@@ -211,7 +189,7 @@ fn gather_walls(bodies: &mut BodyTable, walls: &WallQuery) {
 }
 
 /// The intact bonds between bodies that can move relative to each other.
-fn gather_bonds(bodies: &BodyTable, bonds: &BondQuery) -> Vec<BondRow> {
+fn gather_bonds(bodies: &BodyTable, bonds: &Query<BondData>) -> Vec<BondRow> {
     let row = |id: BodyId| bodies.row(id).map(|row| row as u32);
     let intact = bonds.iter().filter(|(.., state)| **state == BondState::Intact);
     let rows = intact.filter_map(|(entity, id, bond, _)| {

@@ -27,15 +27,11 @@ pub struct IdentityTable {
 pub(crate) struct Register {
     // This map is only looked up and never iterated, so that its order has no effect.
     owners: HashMap<u32, Entity>,
-    next: u32,
+    /// The next free identity. It stays free until [`take`](Self::take).
+    pub(crate) next: u32,
 }
 
 impl Register {
-    /// The next free identity. It stays free until [`take`](Self::take).
-    pub(crate) fn next(&self) -> u32 {
-        self.next
-    }
-
     /// Assigns an identity to an entity.
     ///
     /// # Errors

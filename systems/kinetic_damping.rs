@@ -14,8 +14,9 @@ use crate::motion_settings::MotionSettings;
 #[must_use]
 pub fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
     let n = bodies.particles;
-    let mean = bodies.masses.iter().sum::<f64>() / n.max(1) as f64;
-    let mut masses = vec![[n.max(1) as f64, 0.0]; bodies.positions.len()];
+    let all = n.max(1) as f64;
+    let mean = bodies.masses.iter().sum::<f64>() / all;
+    let mut masses = vec![[all, 0.0]; bodies.positions.len()];
     for i in 0..n {
         let r = bodies.radii[i];
         masses[i] = if mean > 0.0 {
@@ -24,19 +25,17 @@ pub fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
             [1.0, 0.5 * r * r]
         };
     }
-    let unit = if mean > 0.0 { mean } else { 1.0 };
     for group in &bodies.groups {
         // Its members move with it and have no kinetic energy of their own.
         group.members.iter().for_each(|member| masses[*member as usize] = [0.0; 2]);
         let has_wall = group.members.last().is_some_and(|last| *last as usize >= n);
         masses[group.body as usize] = if mean > 0.0 {
-            [group.mass / unit, group.inertia / unit]
+            [group.mass / mean, group.inertia / mean]
         } else {
             let n = group.members.len() as f64;
             [n, 0.5 * n * group.extent.max(bodies.mean_radius).powi(2)]
         };
         if has_wall {
-            let all = n.max(1) as f64;
             let [mass, inertia] = &mut masses[group.body as usize];
             *mass += all;
             *inertia += all * group.extent.max(bodies.mean_radius).powi(2);
@@ -44,7 +43,6 @@ pub fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
     }
     if bodies.cell.is_some() {
         // A cell under a stress moves with the specimen, as a wall under a load does.
-        let all = n.max(1) as f64;
         masses.push([all, all * bodies.mean_radius.powi(2)]);
     }
     masses

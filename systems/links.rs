@@ -15,10 +15,11 @@ use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
 use clastic_components::link::{Link, LinkBetween, LinkKind, LinkRow};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallRotation};
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, Limits};
+use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Limits};
 
+use crate::assemble_program::scales::free_translations;
 use crate::schedule::{AttemptIncrement, AttemptSystems, ClasticHalted};
-use crate::state::{RegisterState, StateOf, despawn_all};
+use crate::state::{RegisterState, StateOf, despawn_if};
 
 /// Adds the hook that turns a [`LinkBetween`] into a [`Link`], the interactions of links, and their
 /// state.
@@ -54,7 +55,7 @@ impl StateOf for AllLinks {
     }
 
     fn forget(world: &mut World) {
-        despawn_all::<Link>(world);
+        despawn_if(world, |_: &Link| true);
     }
 }
 
@@ -143,16 +144,6 @@ pub(crate) fn gather(bodies: &BodyTable, links: &Query<(Entity, &Link)>) -> Vec<
     rows
 }
 
-/// Ends the links of a body that goes.
-pub(crate) fn end_links_of(world: &mut World, id: BodyId) {
-    let mut links = world.query::<(Entity, &Link)>();
-    let of_body = links.iter(world).filter(|(_, link)| link.a == id || link.b == id);
-    let ended: Vec<Entity> = of_body.map(|(entity, _)| entity).collect();
-    for link in ended {
-        world.despawn(link);
-    }
-}
-
 /// Appends one interaction per link, behind those of contacts. Its geometry is that halfway of the
 /// expected motion, where the change of a distance is its component along the link, and the motion
 /// of a point that turns with its body is the angle times the arm.
@@ -233,10 +224,7 @@ fn set_limits(
         return;
     }
     let program = &mut *program;
-    let loads = program.bodies.iter().flat_map(|body| &body.dofs[..2]).map(|dof| match dof {
-        Dof::Free(free) => free.load.abs(),
-        Dof::Fixed(_) => 0.0,
-    });
+    let loads = free_translations(program).map(|free| free.load.abs());
     let strength = STRENGTH * loads.sum::<f64>().max(program.scales.force);
     for c in program.interactions.iter_mut().skip(contacts.0.len()).take(bodies.links.len()) {
         c.limits.tension *= strength;

@@ -31,7 +31,7 @@ pub fn proof(world: &World) -> Option<String> {
     let (bodies, program) =
         (world.get_resource::<BodyTable>()?, world.get_resource::<ConeProgram>()?);
     let most = moves_most(bodies, program, &certificate.mechanism);
-    let most = most.map_or(String::new(), |(body, _)| format!(", in which {body} moves most"));
+    let most = most.map_or(String::new(), |most| format!(", in which {most}"));
     let mut far = translations(certificate);
     far.truncate(bodies.particles);
     let moving: Vec<_> = (0..bodies.particles).map(takes_part(&far)).collect();

@@ -23,11 +23,8 @@ impl Moved {
     }
 
     /// After displacements (m, m, rad; by body in its own axes), multiplied by `scale`.
-    pub fn by(
-        Solved { bodies, program, .. }: Solved,
-        displacements: &[[f64; 3]],
-        scale: f64,
-    ) -> Self {
+    pub fn by(solved: Solved, displacements: &[[f64; 3]], scale: f64) -> Self {
+        let Solved { bodies, program, .. } = solved;
         let global = |i: usize| program.bodies[i].to_global(displacements[i]);
         let moved = |(i, x): (usize, &DVec2)| {
             let u = global(i);

@@ -1,7 +1,7 @@
 //! Bodies and their places in words, for the complaints of the judges.
 
 use clastic_components::contact::BodyTable;
-use clastic_cone::program::{ConeProgram, Dof};
+use clastic_cone::program::ConeProgram;
 use clastic_cone::residuals::worst_bodies;
 
 use crate::solved::Solved;
@@ -23,20 +23,18 @@ pub(crate) fn worst_place(Solved { bodies, program, solution, .. }: Solved) -> S
         .map_or(String::new(), |pair| format!(", worst at {}", near(bodies, pair)))
 }
 
-/// The body that moves furthest of those that may move, in words, and its translation in m. `None`
-/// if nothing moves.
+/// The body that moves furthest of those that may move, in words. `None` if nothing moves.
 pub(crate) fn moves_most(
     bodies: &BodyTable,
     program: &ConeProgram,
     displacements: &[[f64; 3]],
-) -> Option<(String, f64)> {
-    let is_free = |dof: &Dof| matches!(dof, Dof::Free(_));
+) -> Option<String> {
     let far = program.bodies.iter().zip(displacements).enumerate();
-    far.filter(|(_, (body, _))| body.dofs[..2].iter().any(is_free))
+    far.filter(|(_, (body, _))| body.free().any(|(k, _)| k < 2))
         .map(|(i, (_, u))| (i, u[0].hypot(u[1])))
         .filter(|(_, far)| *far > 0.0)
         .max_by(|a, b| a.1.total_cmp(&b.1))
-        .map(|(i, far)| (near(bodies, [i, i]), far))
+        .map(|(i, _)| format!("{} moves most", near(bodies, [i, i])))
 }
 
 /// A number with three significant digits and at least two decimals.

@@ -102,10 +102,8 @@ fn record_strain(tables: StrainTables, measures: Res<Measures>, mut out: ResMut<
     };
     out.axial_strain = strain(&measures.axial_strain, 0);
     out.lateral_strain = strain(&measures.lateral_strain, 1);
-    out.volumetric_strain = match (out.axial_strain, out.lateral_strain) {
-        (Some(a), Some(l)) => Some(1.0 - (1.0 - a) * (1.0 - l)),
-        _ => None,
-    };
+    let strains = out.axial_strain.zip(out.lateral_strain);
+    out.volumetric_strain = strains.map(|(a, l)| 1.0 - (1.0 - a) * (1.0 - l));
 }
 
 /// Records counters, residuals, energy and status.

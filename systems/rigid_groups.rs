@@ -9,25 +9,21 @@ use clastic_components::contact::BodyTable;
 use clastic_components::rigid_group::{GroupRow, RigidGroup};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-/// Query of the rigid groups.
-pub type GroupQuery<'w, 's> = Query<
-    'w,
-    's,
-    (
-        Entity,
-        &'static BodyId,
-        &'static RigidGroup,
-        &'static BodyPosition,
-        &'static LastMotion,
-        &'static BodyDrives,
-        &'static AppliedLoad,
-    ),
->;
+/// What the row of a rigid group follows from, besides its members.
+pub type GroupData = (
+    Entity,
+    &'static BodyId,
+    &'static RigidGroup,
+    &'static BodyPosition,
+    &'static LastMotion,
+    &'static BodyDrives,
+    &'static AppliedLoad,
+);
 
 /// Adds the rows of the groups, which follow from those of the particles and walls. The state of motion of a group follows
 /// from its members: their centre of mass, and a velocity and spin with their linear and angular
 /// momentum.
-pub fn gather(bodies: &mut BodyTable, groups: &GroupQuery) {
+pub fn gather(bodies: &mut BodyTable, groups: &Query<GroupData>) {
     let first_group = bodies.ids.len();
     if !groups.is_empty() {
         bodies.group_of.resize(first_group, None);
@@ -50,18 +46,16 @@ pub fn gather(bodies: &mut BodyTable, groups: &GroupQuery) {
             bodies.group_of[member as usize].get_or_insert(index as u32);
         }
         let about = group.has_pivot.then_some(position.0);
-        let mut state = {
-            let member = |i: usize| Member {
-                mass: bodies.masses[i],
-                inertia: bodies.inertias[i],
-                radius: bodies.radii[i],
-                position: bodies.positions[i],
-                velocity: bodies.velocities[i],
-                spin: bodies.angular_velocities[i],
-            };
-            let particles = members.iter().map(|i| *i as usize).filter(|i| *i < bodies.particles);
-            State::of(particles.map(member), about)
+        let member = |i: usize| Member {
+            mass: bodies.masses[i],
+            inertia: bodies.inertias[i],
+            radius: bodies.radii[i],
+            position: bodies.positions[i],
+            velocity: bodies.velocities[i],
+            spin: bodies.angular_velocities[i],
         };
+        let particles = members.iter().map(|i| *i as usize).filter(|i| *i < bodies.particles);
+        let mut state = State::of(particles.map(member), about);
         for wall in bodies.walls.iter().filter(|wall| members.binary_search(&wall.body).is_ok()) {
             let place = bodies.positions[wall.body as usize];
             state.extent = state.extent.max(place.distance(state.centre) + wall.extent());

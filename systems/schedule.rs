@@ -1,15 +1,8 @@
 //! The `Increment` schedule and its sets. The order of all systems must be stated.
 //!
-//! One run of [`Increment`] commits one increment (or the fraction of one that could be solved):
-//!
-//! ```text
-//! Increment:         Controls -> Gather -> Renumber -> Draft -> Attempts -> Update -> Rupture
-//!                    -> Record
-//!   Controls runs    ControlWalls: BuiltIn -> Custom, for the increment that begins
-//!   Attempts runs    AttemptIncrement, repeated until an attempt is accepted:
-//!                    Detect -> Assemble -> AssembleExtra -> Balance -> Solve -> Judge
-//!                    and AddTrialLoads whenever a trial begins
-//! ```
+//! One run of [`Increment`] commits one increment (or the fraction of one that could be solved).
+//! Its sets run [`ControlWalls`], and [`AttemptIncrement`] until an attempt is accepted, with
+//! [`AddTrialLoads`] whenever a trial begins.
 //!
 //! Attempts read and write tables that are gathered once per increment. Bodies, walls, bonds and
 //! the contact history change only when an attempt is committed. A failed attempt changes nothing.
@@ -137,13 +130,10 @@ pub fn committed(attempt: Res<Attempt>) -> bool {
     attempt.status.is_committed()
 }
 
-/// Why the run has stopped. No increment is made while the world has this resource.
+/// Why the run has stopped, in words. No increment is made while the world has this resource.
 #[derive(Resource, Clone, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
-pub struct ClasticHalted(
-    /// What happened.
-    pub String,
-);
+pub struct ClasticHalted(pub String);
 
 /// Adds the four schedules with their sets.
 pub struct SchedulePlugin;

@@ -1,13 +1,4 @@
-//! Repeated increments: the `AdvanceIncrement` schedule, and when the app runs it.
-//!
-//! ```text
-//! AdvanceIncrement:   Begin -> Increment -> End -> Announce -> Output
-//!   Begin    work before the increment: stages end and begin
-//!   Increment    runs the Increment schedule, if one is due
-//!   End      status of the increment, and whether the stage continues
-//!   Announce     messages and events of the increment
-//!   Output   results are written
-//! ```
+//! Repeated increments: the [`AdvanceIncrement`] schedule, and when the app runs it.
 
 use std::time::Duration;
 
@@ -35,11 +26,12 @@ pub struct AdvanceIncrement;
 /// Sets of [`AdvanceIncrement`], in order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AdvanceSystems {
-    /// Work before the increment. Sets [`IncrementDue`].
+    /// Work before the increment: stages end and begin. Sets [`IncrementDue`].
     Begin,
     /// The increment.
     Increment,
-    /// Work after the increment. Runs only if an increment was due.
+    /// Work after the increment: its status, and whether the stage continues. Runs only if an
+    /// increment was due.
     End,
     /// Messages and events to the app. Runs only if an increment was due and was not undone.
     Announce,

@@ -116,7 +116,7 @@ fn of_grains(Solved { bodies, solution, .. }: Solved, pairs: &PairTurns) -> Vec<
 
 /// Whether the whole motion of the centre of a grain is imposed, alone or with its rigid group.
 pub(crate) fn is_imposed(bodies: &BodyTable, i: usize) -> bool {
-    let imposes = |d: &BodyDrive| matches!(d, BodyDrive::Imposed(_));
+    let imposes = |d: &BodyDrive| *d != BodyDrive::Free;
     match bodies.group(i) {
         Some(group) => group.drives.iter().all(imposes),
         None => bodies.drives[i][..2].iter().all(imposes),

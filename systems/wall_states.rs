@@ -36,8 +36,7 @@ impl StateOf for ControlStates {
             let identities = world.get_resource_or_init::<IdentityTable>();
             let Some(entity) = identities.body(id) else { continue };
             for (wall, id) in control.loaded_between().into_iter().flatten().zip(between) {
-                let named = id.and_then(|id| identities.body(id));
-                *wall = named.unwrap_or(Entity::PLACEHOLDER);
+                *wall = id.and_then(|id| identities.body(id)).unwrap_or(Entity::PLACEHOLDER);
             }
             world.entity_mut(entity).insert(control);
         }

@@ -90,12 +90,12 @@ fn a_program_with_plugins_has_the_whole_command_line() {
     let code = |of: ExitCode| format!("{of:?}");
     let call = |arguments: &[&str]| {
         let arguments = [&["custom"], arguments].concat();
-        code(clastic::cli::call(arguments, custom_program::fabric))
+        code(clastic::cli::call(&[], arguments, custom_program::fabric).into())
     };
     let (done, refused) = (code(ExitCode::SUCCESS), code(ExitCode::from(3)));
     assert_eq!(call(&["check", &good]), done);
     assert_eq!(call(&["check", &bad]), refused);
-    assert_eq!(code(clastic::cli::call(["bare", "check", &good], ())), refused);
+    assert_eq!(code(clastic::cli::call(&[], ["bare", "check", &good], ()).into()), refused);
     let out = folder.path().join("out").display().to_string();
     assert_eq!(
         call(&["run", &good, "--out", &out, "--quiet", "--set", "output.plots=false"]),

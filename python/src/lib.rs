@@ -30,7 +30,7 @@ use pyo3::prelude::*;
 /// Wrong arguments end the process. Returns the exit code.
 #[pyfunction]
 fn call(py: Python, program: Vec<OsString>, arguments: Vec<OsString>) -> i32 {
-    py.detach(|| clastic::cli::call_as(&program, arguments, ()) as i32)
+    py.detach(|| clastic::cli::call(&program, arguments, ()) as i32)
 }
 
 /// The module.

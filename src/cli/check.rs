@@ -16,7 +16,6 @@ use super::own_findings::own_findings;
 use super::resolve::resolve;
 use super::summary::{in_one_round, number};
 
-/// Checks a scene.
 pub fn check(args: &SceneArgs, app: &App) -> Result<Exit, Failure> {
     let loaded = load_with(&resolve(&args.scene)?, &args.sets, |scene| own_findings(scene, app))?;
     fits(&loaded)?;

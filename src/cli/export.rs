@@ -57,7 +57,6 @@ impl At {
         }
     }
 
-    /// The frame of the moment of a run.
     fn frame(&self, run: &Path) -> Result<Frame, Failure> {
         let (what, wanted) = match self {
             Self::File(path) => return Ok(Frame::read(path)?),
@@ -106,7 +105,6 @@ enum Format {
     Csv,
 }
 
-/// Exports a run.
 pub fn export(args: &ExportArgs) -> Result<Exit, Failure> {
     let run = &args.directory;
     directory::record(run)?;

@@ -51,7 +51,6 @@ impl Interrupt {
         again
     }
 
-    /// Whether a stop was requested.
     pub fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -74,7 +73,8 @@ mod signals {
         let mut signals = Signals::new([SIGTERM])?;
         // With `nohup` the run must survive its terminal. If the system does not tell whether
         // SIGHUP is ignored, its handling does not change.
-        if hangup_is_ignored() == Some(false) {
+        let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
+        if ignores(&status, SIGHUP) == Some(false) {
             signals.add_signal(SIGHUP)?;
         }
         thread::Builder::new().name("signals".to_owned()).spawn(move || {
@@ -85,12 +85,8 @@ mod signals {
         Ok(())
     }
 
-    /// Whether this process was started with SIGHUP ignored; `None` if the system does not tell.
-    fn hangup_is_ignored() -> Option<bool> {
-        ignores(&fs::read_to_string("/proc/self/status").ok()?, SIGHUP)
-    }
-
-    /// Whether a signal is in the mask of ignored signals of a Linux process status.
+    /// Whether a signal is in the mask of ignored signals of a Linux process status; `None` if it
+    /// has no mask.
     fn ignores(status: &str, signal: i32) -> Option<bool> {
         let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
         let mask = u64::from_str_radix(mask.trim(), 16).ok()?;

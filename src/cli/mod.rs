@@ -20,6 +20,7 @@ mod summary;
 mod sweep;
 mod threads;
 
+use std::env;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::process::ExitCode;
@@ -175,31 +176,22 @@ struct RunArgs {
     /// Write the cone program and solution of an increment as JSON; may be repeated. N counts the
     /// increments of the run, as the column `increment` of the history does; STAGE:N those of a
     /// stage, as `record.frames` does
-    #[arg(long = "dump-program", value_name = "[STAGE:]N", value_parser = DumpAt::read)]
+    #[arg(long = "dump-program", value_name = "[STAGE:]N", value_parser = dump_at)]
     dump_programs: Vec<DumpAt>,
     #[command(flatten)]
     output: OutputArgs,
 }
 
-/// An increment whose program is dumped.
-#[derive(Clone, Debug)]
-struct DumpAt {
-    /// Stage whose increments are counted; `None` counts those of the run.
-    stage: Option<String>,
-    /// The increment, from 1.
-    increment: u64,
-}
+/// An increment whose program is dumped, from 1: of a stage, or without one of the run.
+type DumpAt = (Option<String>, u64);
 
-impl DumpAt {
-    fn read(text: &str) -> Result<Self, String> {
-        let (stage, number) = match text.rsplit_once(':') {
-            Some((stage, number)) => (Some(stage.to_owned()), number),
-            None => (None, text),
-        };
-        let increment = number.parse().ok().filter(|n| *n > 0);
-        let increment = increment.ok_or("write N or STAGE:N, with N a whole number from 1")?;
-        Ok(Self { stage, increment })
-    }
+fn dump_at(text: &str) -> Result<DumpAt, String> {
+    let (stage, number) = match text.rsplit_once(':') {
+        Some((stage, number)) => (Some(stage.to_owned()), number),
+        None => (None, text),
+    };
+    let increment = number.parse().ok().filter(|n| *n > 0);
+    Ok((stage, increment.ok_or("write N or STAGE:N, with N a whole number from 1")?))
 }
 
 #[derive(Args)]
@@ -237,34 +229,20 @@ struct OutputArgs {
 /// Runs the `clastic` program with further plugins; `()` for none. The arguments are those of the
 /// process.
 pub fn main<M>(plugins: impl Plugins<M> + Send) -> ExitCode {
-    execute(Cli::parse().command, &[], plugins).into()
+    call(&[], env::args_os(), plugins).into()
 }
 
 /// Runs the command line with these arguments, of which the first is the name of the program. Wrong
-/// arguments end the process.
+/// arguments end the process. `words` begin this command line in another process, in which studies
+/// make their runs: none where the executable of this process does, unlike an interpreter.
 pub fn call<M, T: Into<OsString> + Clone>(
-    arguments: impl IntoIterator<Item = T>,
-    plugins: impl Plugins<M> + Send,
-) -> ExitCode {
-    call_as(&[], arguments, plugins).into()
-}
-
-/// As [`call`], in a process whose executable is not this program, such as an interpreter. `program`
-/// are the words that begin this command line in another process, with which studies make their
-/// runs.
-pub fn call_as<M, T: Into<OsString> + Clone>(
-    program: &[OsString],
+    words: &[OsString],
     arguments: impl IntoIterator<Item = T>,
     plugins: impl Plugins<M> + Send,
 ) -> Exit {
-    execute(Cli::parse_from(arguments).command, program, plugins)
-}
-
-/// `words` begin this program in another process; none where its executable does.
-fn execute<M>(command: Command, words: &[OsString], plugins: impl Plugins<M> + Send) -> Exit {
     // An app cannot change threads.
     let program = || app(plugins);
-    let done = match command {
+    let done = match Cli::parse_from(arguments).command {
         Command::Run(args) => on_threads(args.output.threads, || run::run(&args, program())),
         Command::Resume(args) => {
             on_threads(args.output.threads, || resume::resume(&args, program()))
@@ -279,11 +257,8 @@ fn execute<M>(command: Command, words: &[OsString], plugins: impl Plugins<M> + S
         #[cfg(feature = "report")]
         Command::Report { runs, out } => report::report(&runs, out),
     };
-    match done {
-        Ok(exit) => exit,
-        Err(failure) => {
-            exit::complain(&failure.message);
-            failure.exit
-        }
-    }
+    done.unwrap_or_else(|failure| {
+        exit::complain(&failure.message);
+        failure.exit
+    })
 }

@@ -19,13 +19,9 @@ pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
     let measures: Vec<&str> = provided.measures().collect();
     let mut findings = Vec::new();
     for (i, stage) in scene.stages.iter().enumerate() {
-        if let Stage::Custom(stage) = stage
-            && !stage.kind.trim().is_empty()
-            && !stages.contains(&stage.kind.as_str())
-        {
-            let instead = "give a `Load`, `Compact` or `Cement`, or";
-            let path = format!("stages[{i}].kind");
-            findings.push(missing(path, &stage.kind, ("a kind of stage", instead), &stages));
+        if let Stage::Custom(stage) = stage {
+            let what = ("a kind of stage", "give a `Load`, `Compact` or `Cement`, or");
+            findings.extend(missing(format!("stages[{i}].kind"), &stage.kind, what, &stages));
         }
         let Some(stage) = stage.load() else { continue };
         let custom = stage.walls.iter().filter(|(_, control)| **control == WallControl::Custom);
@@ -40,33 +36,35 @@ pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
         }));
     }
     for (i, measure) in scene.measures.iter().enumerate() {
-        if let Quantity::Custom(kind) = &measure.of
-            && !kind.trim().is_empty()
-            && !measures.contains(&kind.as_str())
-        {
-            let path = format!("measures[{i}].of[0]");
-            findings.push(missing(path, kind, ("a measure", "leave it out, or"), &measures));
+        if let Quantity::Custom(kind) = &measure.of {
+            let what = ("a measure", "leave it out, or");
+            findings.extend(missing(format!("measures[{i}].of[0]"), kind, what, &measures));
         }
     }
     findings
 }
 
-/// A name that no plugin provides. `provided` are the names that plugins do provide.
-fn missing(path: String, name: &str, (what, instead): (&str, &str), provided: &[&str]) -> Finding {
-    if provided.is_empty() {
-        return Finding::new(
-            path,
+/// Finds a name that is not among those that plugins have `provided`.
+fn missing(
+    path: String,
+    name: &str,
+    (what, instead): (&str, &str),
+    provided: &[&str],
+) -> Option<Finding> {
+    let kinds = if what == "a measure" { "measures" } else { "kinds" };
+    let (message, help) = match provided {
+        _ if name.trim().is_empty() || provided.contains(&name) => return None,
+        [] => (
             format!(
                 "`{name}` is {what} that a plugin of an embedding program provides, and the \
                  `clastic` program has none"
             ),
             format!("{instead} {OWN_PROGRAM}"),
-        );
-    }
-    let kinds = if what == "a measure" { "measures" } else { "kinds" };
-    Finding::new(
-        path,
-        format!("`{name}` is {what} that no plugin of this program provides"),
-        suggest::help(name, provided, &format!("{kinds} of its plugins")),
-    )
+        ),
+        _ => (
+            format!("`{name}` is {what} that no plugin of this program provides"),
+            suggest::help(name, provided, &format!("{kinds} of its plugins")),
+        ),
+    };
+    Some(Finding::new(path, message, help))
 }

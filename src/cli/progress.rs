@@ -14,10 +14,8 @@ use super::summary::stress;
 /// Minimum time between plain lines, except at the start of a stage.
 const PAUSE: Duration = Duration::from_secs(1);
 
-/// Output during a run.
 pub struct Progress {
     quiet: bool,
-    /// Number of stages.
     stages: usize,
     /// A bar for the current stage, on a terminal.
     bar: Option<ProgressBar>,
@@ -33,7 +31,6 @@ impl Progress {
         Self { quiet, stages, bar, last: None }
     }
 
-    /// Shows the progress after an increment.
     pub fn show(&mut self, place: &ClasticProgress, o: &Observation) {
         let stage = place.stage;
         let begins = self.last.is_none_or(|(last, _)| last != stage);
@@ -57,7 +54,6 @@ impl Progress {
         }
     }
 
-    /// Clears the bar.
     pub fn end(self) {
         self.bar.iter().for_each(ProgressBar::finish_and_clear);
     }

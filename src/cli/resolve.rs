@@ -1,7 +1,6 @@
 //! Scenes by name: the file of an argument, and `clastic list`.
 
 use std::collections::BTreeMap;
-use std::ffi::OsStr;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -64,9 +63,7 @@ pub fn scenes() -> io::Result<BTreeMap<String, PathBuf>> {
     };
     for entry in here {
         let path = entry?.path();
-        if let (Some(name), Some("ron")) =
-            (path.file_stem(), path.extension().and_then(OsStr::to_str))
-        {
+        if let (Some(name), true) = (path.file_stem(), path.extension() == Some("ron".as_ref())) {
             scenes.insert(name.to_string_lossy().into_owned(), path);
         }
     }

@@ -17,7 +17,6 @@ use super::exit::{Exit, Failure, complain, say};
 use super::own_findings::own_findings;
 use super::run::to_the_end;
 
-/// Resumes a run.
 pub fn resume(args: &ResumeArgs, mut app: App) -> Result<Exit, Failure> {
     let directory = args.directory.as_path();
     let is_changed = !args.sets.is_empty() || args.scene.is_some();
@@ -104,7 +103,6 @@ fn too_late(directory: &Path, sets: &[String]) -> Failure {
     Failure::new(Exit::Usage, message)
 }
 
-/// Whether the run in a directory has ended.
 fn ended(directory: &Path) -> Result<bool, Failure> {
     let record = directory::record(directory)?;
     Ok(["completed", "collapsed"].map(Some).contains(&record["outcome"]["status"].as_str()))

@@ -25,22 +25,22 @@ use super::progress::Progress;
 use super::resolve::resolve;
 use super::summary::summary;
 
-/// Runs a scene.
 pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
     let path = resolve(&args.scene.scene)?;
     let loaded = load_with(&path, &args.scene.sets, |scene| own_findings(scene, &app))?;
     fits(&loaded)?;
-    let dumps = &args.dump_programs;
-    for stage in dumps.iter().filter_map(|dump| dump.stage.as_ref()) {
-        let names: Vec<_> = loaded.scene.stages.iter().map(Stage::name).collect();
-        if !names.contains(&stage.as_str()) {
-            let names: Vec<_> = names.into_iter().map(label).collect();
-            let message = format!(
-                "--dump-program {stage}:N: the scene has no such stage; its stages are {}",
-                names.join(", ")
-            );
-            return Err(Failure::new(Exit::Usage, message));
-        }
+    let dumps = args.dump_programs.iter();
+    let dump_in_stages: Vec<_> =
+        dumps.clone().filter_map(|(stage, n)| Some((stage.clone()?, *n))).collect();
+    let stages = &loaded.scene.stages;
+    let is_known = |name: &str| stages.iter().any(|stage| stage.name() == name);
+    if let Some((stage, _)) = dump_in_stages.iter().find(|(stage, _)| !is_known(stage)) {
+        let names: Vec<_> = stages.iter().map(|stage| label(stage.name())).collect();
+        let message = format!(
+            "--dump-program {stage}:N: the scene has no such stage; its stages are {}",
+            names.join(", ")
+        );
+        return Err(Failure::new(Exit::Usage, message));
     }
     for warning in sanity::before(&loaded.scene, loaded.specimen.as_ref()).warnings {
         complain(format_args!("WARNING: {warning}"));
@@ -51,11 +51,8 @@ pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
         directory: args.out.clone().unwrap_or_else(|| default_directory(&path)),
         force: args.force,
         overrides: args.scene.sets.clone(),
-        dump_programs: dumps.iter().filter(|d| d.stage.is_none()).map(|d| d.increment).collect(),
-        dump_in_stages: dumps
-            .iter()
-            .filter_map(|d| Some((d.stage.clone()?, d.increment)))
-            .collect(),
+        dump_programs: dumps.filter(|(stage, _)| stage.is_none()).map(|(_, n)| *n).collect(),
+        dump_in_stages,
         checkpoint_every: args.output.checkpoint_every.unwrap_or(0),
     };
     output::begin(simulation.world_mut(), options, &loaded)?;

@@ -67,9 +67,8 @@ pub fn summary(
     }
     parts.extend(record.peak_force.as_ref().map(PeakForce::line));
     parts.extend(r.residual_strength_pa.map(|s| format!("residual strength {}", stress(s))));
-    parts.extend(
-        r.friction_angle_rad.map(|phi| format!("friction angle {:.2} degrees", phi.to_degrees())),
-    );
+    let angle = r.friction_angle_rad.map(f64::to_degrees);
+    parts.extend(angle.map(|phi| format!("friction angle {phi:.2} degrees")));
     parts.extend(r.limit_load_pa.map(|s| format!("limit load {}", stress(s))));
     if r.peak_stress_pa.is_some() {
         parts.extend(r.porosity.map(|n| format!("porosity {n:.4}")));
@@ -119,11 +118,8 @@ pub fn summary(
 /// Warnings about the ends of the stages.
 fn warnings(script: &Script) -> Vec<String> {
     let ends = &script.ends;
-    let mut lines: Vec<_> = ends
-        .iter()
-        .filter_map(StageEnd::warning)
-        .map(|warning| format!("WARNING: {warning}"))
-        .collect();
+    let of_ends = ends.iter().filter_map(StageEnd::warning);
+    let mut lines: Vec<_> = of_ends.map(|warning| format!("WARNING: {warning}")).collect();
     let capped = || ends.iter().filter(|end| end.capped > 0);
     if capped().next().is_some() {
         let mut line = "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only"
@@ -146,12 +142,10 @@ fn warnings(script: &Script) -> Vec<String> {
 fn after_collapse(script: &Script) -> Option<String> {
     let collapsed = &script.collapse.as_ref()?.stage;
     let after = script.ends.iter().skip_while(|end| end.stage != *collapsed).skip(1);
-    let solved: Vec<_> = after
-        .filter(|end| {
-            end.rows > 0 && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
-        })
-        .map(|end| label(&end.stage).to_string())
-        .collect();
+    let is_solved = |end: &&StageEnd| {
+        end.rows > 0 && matches!(end.ended_by, Some(EndedBy::AllIncrements | EndedBy::Stop))
+    };
+    let solved: Vec<_> = after.filter(is_solved).map(|end| label(&end.stage)).collect();
     (!solved.is_empty()).then(|| {
         format!(
             "WARNING: stage {} collapsed; what came after it ({}) was solved from the last equilibrium before \
@@ -162,7 +156,6 @@ fn after_collapse(script: &Script) -> Option<String> {
     })
 }
 
-/// Whether the stage of an end is dynamic.
 fn is_dynamic(script: &Script, end: &StageEnd) -> bool {
     let stage = script.scene.stages.iter().find(|stage| stage.name() == end.stage);
     let analysis = stage.and_then(Stage::analysis);
@@ -185,8 +178,7 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
     }
     let reason = |name: &str| results.not_defined.get(name);
     if let Some(reason) = reason("peak_stress_pa") {
-        let stage = scene.stages.get(script.reference_stage()).map_or("", |s| s.name());
-        let stage = label(stage);
+        let stage = label(scene.stages.get(script.reference_stage()).map_or("", Stage::name));
         return vec![format!(
             "no modulus and no peak stress: {reason} (the reference stage is {stage}; \
              `reference_stage` sets it)"

@@ -4,7 +4,7 @@ use glam::DVec2;
 
 use clastic_components::cell;
 
-use super::vtp::{Field, PolyData, Values};
+use super::vtp::{PolyData, Values};
 use crate::frames::{Frame, NONE};
 
 /// The kinds of files of a frame.
@@ -52,32 +52,22 @@ fn bodies(frame: &Frame) -> PolyData {
     }
 }
 
-/// Lines with whole numbers and numbers, collected row by row.
-#[derive(Default)]
-struct Lines {
-    data: PolyData,
-    counts: Vec<Vec<i64>>,
-    numbers: Vec<Vec<f64>>,
-}
-
-impl Lines {
-    fn push(&mut self, ends: [DVec2; 2], counts: &[i64], numbers: &[f64]) {
-        self.data.line(ends[0].to_array(), ends[1].to_array());
-        self.counts.push(counts.to_vec());
-        self.numbers.push(numbers.to_vec());
+/// Lines with fields of whole numbers and of numbers, row by row.
+fn lines<const C: usize, const N: usize>(
+    counts: [&'static str; C],
+    numbers: [&'static str; N],
+    rows: impl Iterator<Item = ([DVec2; 2], [i64; C], [f64; N])>,
+) -> PolyData {
+    let mut data = PolyData::default();
+    let (mut whole, mut others) = (counts.map(|_| Vec::new()), numbers.map(|_| Vec::new()));
+    for ([a, b], counts, numbers) in rows {
+        data.line(a.to_array(), b.to_array());
+        whole.iter_mut().zip(counts).for_each(|(column, count)| column.push(count));
+        others.iter_mut().zip(numbers).for_each(|(column, number)| column.push(number));
     }
-
-    fn named(self, counts: &[&'static str], numbers: &[&'static str]) -> PolyData {
-        let count = |(k, name): (usize, &&'static str)| -> Field {
-            (name, Values::Counts(self.counts.iter().map(|row| row[k]).collect()))
-        };
-        let number = |(k, name): (usize, &&'static str)| -> Field {
-            (name, Values::Scalars(self.numbers.iter().map(|row| row[k]).collect()))
-        };
-        let counts = counts.iter().enumerate().map(count);
-        let of_lines = counts.chain(numbers.iter().enumerate().map(number)).collect();
-        PolyData { of_lines, ..self.data }
-    }
+    data.of_lines.extend(counts.into_iter().zip(whole.map(Values::Counts)));
+    data.of_lines.extend(numbers.into_iter().zip(others.map(Values::Scalars)));
+    data
 }
 
 /// End of a line from disk `a` to body `b`, m: the centre of a disk, the nearest point of a wall. In
@@ -111,25 +101,22 @@ fn pieces(frame: &Frame) -> impl Iterator<Item = (usize, [DVec2; 2])> + '_ {
 /// Every pair that carries force: from the centre of a to that of b, or to the nearest point of a
 /// wall.
 fn contacts(frame: &Frame) -> PolyData {
-    let (pairs, mut lines) = (&frame.pairs, Lines::default());
-    for k in 0..pairs.a.len() {
+    let pairs = &frame.pairs;
+    let line = |k: usize| {
         let [p, q, tau] = [pairs.p_n[k], pairs.q_n[k], pairs.tau_nm[k]].map(f64::from);
-        let Some(row) = frame.row(pairs.a[k]).filter(|_| p != 0.0 || q != 0.0 || tau != 0.0) else {
-            continue;
-        };
-        let Some(far) = far_end(frame, row, pairs.b[k]) else { continue };
+        let row = frame.row(pairs.a[k]).filter(|_| p != 0.0 || q != 0.0 || tau != 0.0)?;
+        let far = far_end(frame, row, pairs.b[k])?;
         let normal = DVec2::from_angle(pairs.angle_rad[k].into());
         let force = p * normal + q * normal.perp();
         let bond = Some(pairs.bond[k]).filter(|bond| pairs.state[k] == 1 && *bond != NONE);
-        lines.push(
-            [frame.centre(row).into(), far],
-            &[pairs.a[k].into(), pairs.b[k].into(), bond.map_or(-1, i64::from)],
-            &[p, q, tau, pairs.gap_m[k].into(), normal.x, normal.y, force.x, force.y],
-        );
-    }
-    lines.named(
-        &["a", "b", "bond"],
-        &["p_n", "q_n", "tau_nm", "gap_m", "normal_x", "normal_y", "force_x_n", "force_y_n"],
+        let counts = [pairs.a[k].into(), pairs.b[k].into(), bond.map_or(-1, i64::from)];
+        let numbers = [p, q, tau, pairs.gap_m[k].into(), normal.x, normal.y, force.x, force.y];
+        Some(([frame.centre(row).into(), far], counts, numbers))
+    };
+    lines(
+        ["a", "b", "bond"],
+        ["p_n", "q_n", "tau_nm", "gap_m", "normal_x", "normal_y", "force_x_n", "force_y_n"],
+        (0..pairs.a.len()).filter_map(line),
     )
 }
 
@@ -149,29 +136,29 @@ fn of_bonds(frame: &Frame) -> Vec<(u32, usize, usize, DVec2)> {
 
 /// States: 0 intact, broken in 1 tension, 2 shear, 3 rolling.
 fn bonds(frame: &Frame) -> PolyData {
-    let (pairs, mut lines) = (&frame.pairs, Lines::default());
-    for (id, k, a, far) in of_bonds(frame) {
+    let pairs = &frame.pairs;
+    let line = |(id, k, a, far): (u32, usize, usize, DVec2)| {
         let state = i64::from(pairs.state[k]) - 1;
         let counts = [id.into(), pairs.a[k].into(), pairs.b[k].into(), state];
-        lines.push([frame.centre(a).into(), far], &counts, &[]);
-    }
-    lines.named(&["id", "a", "b", "state"], &[])
+        ([frame.centre(a).into(), far], counts, [])
+    };
+    lines(["id", "a", "b", "state"], [], of_bonds(frame).into_iter().map(line))
 }
 
 fn walls(frame: &Frame) -> PolyData {
-    let (walls, mut lines) = (&frame.walls, Lines::default());
-    for (row, ends) in pieces(frame) {
-        lines.push(ends, &[walls.id[row].into(), walls.is_thin[row].into()], &walls.force[row]);
-    }
-    lines.named(&["id", "is_thin"], &["force_x_n", "force_y_n", "moment_nm"])
+    let walls = &frame.walls;
+    let counts = |row: usize| [walls.id[row].into(), walls.is_thin[row].into()];
+    let rows = pieces(frame).map(|(row, ends)| (ends, counts(row), walls.force[row]));
+    lines(["id", "is_thin"], ["force_x_n", "force_y_n", "moment_nm"], rows)
 }
 
 /// Broken bonds as strokes half-way between the two surfaces, at a right angle to the line that
 /// joins the bodies, and as long as the bond was wide: twice the smaller radius, which is the
 /// section that its strength counts (formulation, section 3).
 fn cracks(frame: &Frame) -> PolyData {
-    let (pairs, mut lines) = (&frame.pairs, Lines::default());
-    for (id, k, a, far) in of_bonds(frame).into_iter().filter(|(_, k, ..)| pairs.state[*k] > 1) {
+    let pairs = &frame.pairs;
+    let broken = of_bonds(frame).into_iter().filter(|(_, k, ..)| pairs.state[*k] > 1);
+    let rows = broken.map(|(id, k, a, far)| {
         let centre = DVec2::from(frame.centre(a));
         let radius = |row: usize| f64::from(frame.bodies.radius_m[row]);
         let normal = (far - centre).normalize_or(DVec2::X);
@@ -182,22 +169,21 @@ fn cracks(frame: &Frame) -> PolyData {
         let middle = 0.5 * (centre + radius(a) * normal + surface);
         let along = half * normal.perp();
         let mode = i64::from(pairs.state[k]) - 1;
-        lines.push([middle - along, middle + along], &[id.into(), mode], &[]);
-    }
-    lines.named(&["bond", "mode"], &[])
+        ([middle - along, middle + along], [id.into(), mode], [])
+    });
+    lines(["bond", "mode"], [], rows)
 }
 
 /// The links of the chains.
 fn membranes(frame: &Frame) -> PolyData {
-    let (chains, mut lines) = (&frame.membranes, Lines::default());
-    for chain in 0..chains.name.len() {
+    let chains = &frame.membranes;
+    let links = |chain: usize| {
         let points = &chains.point_m[chains.points(chain)];
         let back = points.first().filter(|_| chains.is_closed[chain]);
-        for (a, b) in points.iter().zip(points.iter().skip(1).chain(back)) {
-            lines.push([*a, *b].map(DVec2::from), &[], &[]);
-        }
-    }
-    lines.named(&[], &[])
+        let next = points.iter().skip(1).chain(back);
+        points.iter().zip(next).map(|(a, b)| ([*a, *b].map(DVec2::from), [], []))
+    };
+    lines([], [], (0..chains.name.len()).flat_map(links))
 }
 
 /// The rows as CSV: points by `x_m`, `y_m`, lines by the ends `x1_m`, `y1_m`, `x2_m`, `y2_m`.

@@ -4,8 +4,6 @@
 //! read back to the bit, in a quarter of the space of text.
 //! (<https://docs.vtk.org/en/latest/vtk_file_formats/vtkxml_file_format.html>)
 
-use std::fmt::Write as _;
-
 use base64::prelude::{BASE64_STANDARD, Engine as _};
 
 /// Values of a field.
@@ -19,7 +17,6 @@ pub enum Values {
     Counts(Vec<i64>),
 }
 
-/// A field, by its name.
 pub type Field = (&'static str, Values);
 
 /// Points or lines with fields.
@@ -29,9 +26,7 @@ pub struct PolyData {
     pub points: Vec<[f64; 3]>,
     /// Pairs of points that are lines; without lines every point is a vertex.
     pub lines: Vec<[i64; 2]>,
-    /// Fields of the points.
     pub of_points: Vec<Field>,
-    /// Fields of the lines.
     pub of_lines: Vec<Field>,
 }
 
@@ -46,50 +41,41 @@ impl PolyData {
     /// The file, for a moment in s, with the width, height and tilt of the periodic cell in m, if
     /// there is one.
     pub fn encode(&self, time: f64, cell: Option<[f64; 3]>) -> String {
-        let are_lines = !self.lines.is_empty();
+        let one = " NumberOfTuples=\"1\"";
+        let time = array("TimeValue", &Values::Scalars(vec![time]), one);
+        let cell = cell.map(|cell| array("cell_m", &Values::Vectors(vec![cell]), one));
+        let of_file = time + &cell.unwrap_or_default();
         let points = self.points.len();
-        let (vertices, lines) = if are_lines { (0, self.lines.len()) } else { (points, 0) };
-        let mut text = String::from(
-            "<?xml version=\"1.0\"?>\n\
-             <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n",
-        );
-        let time = Values::Scalars(vec![time]);
-        array(&mut text, "TimeValue", &time, " NumberOfTuples=\"1\"");
-        if let Some(cell) = cell {
-            let cell = Values::Vectors(vec![cell]);
-            array(&mut text, "cell_m", &cell, " NumberOfTuples=\"1\"");
-        }
-        // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "</FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" \
-             NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">"
-        );
-        for (element, fields) in [("PointData", &self.of_points), ("CellData", &self.of_lines)] {
-            let _ = writeln!(text, "<{element}>");
-            for (name, values) in fields {
-                array(&mut text, name, values, "");
-            }
-            let _ = writeln!(text, "</{element}>");
-        }
-        text.push_str("<Points>\n");
-        array(&mut text, "Points", &Values::Vectors(self.points.clone()), "");
-        text.push_str("</Points>\n");
-        let (element, cells, size) = match are_lines {
-            true => ("Lines", self.lines.iter().flatten().copied().collect(), 2),
-            false => ("Verts", (0..points as i64).collect::<Vec<_>>(), 1),
+        let (element, cells, size, [vertices, lines]) = match self.lines.len() {
+            0 => ("Verts", (0..points as i64).collect::<Vec<_>>(), 1, [points, 0]),
+            lines => ("Lines", self.lines.iter().flatten().copied().collect(), 2, [0, lines]),
         };
         let ends = (1..=(cells.len() / size) as i64).map(|cell| cell * size as i64).collect();
-        let _ = writeln!(text, "<{element}>");
-        array(&mut text, "connectivity", &Values::Counts(cells), "");
-        array(&mut text, "offsets", &Values::Counts(ends), "");
-        let _ = writeln!(text, "</{element}>\n</Piece>\n</PolyData>\n</VTKFile>");
-        text
+        let cells = [("connectivity", Values::Counts(cells)), ("offsets", Values::Counts(ends))];
+        let parts: [(_, &[Field]); 4] = [
+            ("PointData", &self.of_points),
+            ("CellData", &self.of_lines),
+            ("Points", &[("Points", Values::Vectors(self.points.clone()))]),
+            (element, &cells),
+        ];
+        let parts = parts.map(|(element, fields)| {
+            let arrays: String =
+                fields.iter().map(|(name, values)| array(name, values, "")).collect();
+            format!("<{element}>\n{arrays}</{element}>\n")
+        });
+        format!(
+            "<?xml version=\"1.0\"?>\n\
+             <VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n{of_file}</FieldData>\n\
+             <Piece NumberOfPoints=\"{points}\" NumberOfVerts=\"{vertices}\" \
+             NumberOfLines=\"{lines}\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n{}</Piece>\n\
+             </PolyData>\n</VTKFile>\n",
+            parts.concat()
+        )
     }
 }
 
-fn array(text: &mut String, name: &str, values: &Values, more: &str) {
+fn array(name: &str, values: &Values, more: &str) -> String {
     let (kind, width, bytes): (_, _, Vec<u8>) = match values {
         Values::Scalars(v) => ("Float64", 1, v.iter().flat_map(|x| x.to_le_bytes()).collect()),
         Values::Vectors(v) => {
@@ -99,12 +85,11 @@ fn array(text: &mut String, name: &str, values: &Values, more: &str) {
     };
     let mut raw = (bytes.len() as u64).to_le_bytes().to_vec();
     raw.extend(bytes);
-    let _ = writeln!(
-        text,
+    format!(
         "<DataArray type=\"{kind}\" Name=\"{name}\" NumberOfComponents=\"{width}\"{more} \
-         format=\"binary\">{}</DataArray>",
+         format=\"binary\">{}</DataArray>\n",
         BASE64_STANDARD.encode(&raw)
-    );
+    )
 }
 
 #[cfg(test)]

@@ -7,32 +7,17 @@ use std::path::{Path, PathBuf};
 use super::Frame;
 use crate::output::OutputError;
 use crate::output::directory::{FRAME_END, FRAME_PEAK, FRAME_START, FRAMES};
-use crate::tables::{TableError, Tables};
+use crate::tables::Tables;
 
 impl Frame {
-    /// Content of the file of a frame.
-    ///
-    /// # Errors
-    /// If the program is built without the feature `npz`.
-    pub fn encode(&self) -> Result<Vec<u8>, TableError> {
-        self.tables().encode()
-    }
-
-    /// The frame of the content of a file.
-    ///
-    /// # Errors
-    /// If it is no frame, or damaged.
-    pub fn decode(bytes: &[u8]) -> Result<Self, TableError> {
-        Self::from_tables(&Tables::decode(bytes)?)
-    }
-
     /// Reads a frame.
     ///
     /// # Errors
     /// If the file cannot be read, or is no frame.
     pub fn read(path: &Path) -> Result<Self, OutputError> {
         let bytes = fs::read(path).map_err(OutputError::at(path))?;
-        Self::decode(&bytes).map_err(OutputError::at(path))
+        let tables = Tables::decode(&bytes).map_err(OutputError::at(path))?;
+        Self::from_tables(&tables).map_err(OutputError::at(path))
     }
 }
 

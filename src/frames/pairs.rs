@@ -47,8 +47,8 @@ pub(super) fn pairs(
         let (Some(a), Some(b)) = (id(memory.a), id(memory.b)) else { continue };
         let known = &mut all[..bonded];
         let from = known.partition_point(|pair| pair.ids < (a, b));
-        let of_pair = known[from..].iter().take_while(|pair| pair.ids == (a, b)).count();
-        let rows = &mut known[from..from + of_pair];
+        let to = known.partition_point(|pair| pair.ids <= (a, b));
+        let rows = &mut known[from..to];
         let at = rows.iter().position(|pair| pair.state == 1).or(rows.len().checked_sub(1));
         match at {
             Some(at) => rows[at].memory = Some(*memory),

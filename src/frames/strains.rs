@@ -51,11 +51,8 @@ pub struct Strain {
 /// do not count; a disk without a triangle, or that was not there, has no strain.
 #[must_use]
 pub fn strains(now: &[Disk], from: &[Disk]) -> Vec<Option<Strain>> {
-    let before = |disk: &Disk| {
-        let row = from.binary_search_by_key(&disk.id, |disk| disk.id).ok()?;
-        Some(&from[row])
-    };
-    let before: Vec<Option<&Disk>> = now.iter().map(before).collect();
+    let row = |disk: &Disk| from.binary_search_by_key(&disk.id, |disk| disk.id).ok();
+    let before: Vec<Option<&Disk>> = now.iter().map(|disk| Some(&from[row(disk)?])).collect();
     let moved = |row: usize| Some(now[row].displacement - before[row]?.displacement);
     let corners =
         before.iter().enumerate().filter_map(|(row, d)| d.map(|d| (row, d.position, d.radius)));

@@ -40,17 +40,17 @@ impl Frame {
     pub fn tables(&self) -> Tables {
         let mut tables = Tables::default();
         let mut put = |name: &str, array: Array| tables.put(name, array);
-        put("format", Array::word(&format!("{FORMAT} {VERSION}")));
-        put("increment", Array::count(self.increment));
-        put("stage", Array::word(&self.stage));
-        put("time_s", Array::value(self.time_s));
-        put("thickness_m", Array::value(self.thickness_m));
-        put("axial_strain", Array::value(self.axial_strain.unwrap_or(f64::NAN)));
-        put("axial_stress_pa", Array::value(self.axial_stress_pa.unwrap_or(f64::NAN)));
-        put("origin_m", Array::f64(self.origin_m.to_vec()));
-        put("cell_m", Array::f64(self.cell_m.unwrap_or_default().to_vec()));
-        put("materials.name", Array::text(self.materials.iter().cloned()));
-        put("groups.name", Array::text(self.groups.iter().cloned()));
+        put("format", Array::single(format!("{FORMAT} {VERSION}")));
+        put("increment", Array::single(self.increment));
+        put("stage", Array::single(self.stage.clone()));
+        put("time_s", Array::single(self.time_s));
+        put("thickness_m", Array::single(self.thickness_m));
+        put("axial_strain", Array::single(self.axial_strain.unwrap_or(f64::NAN)));
+        put("axial_stress_pa", Array::single(self.axial_stress_pa.unwrap_or(f64::NAN)));
+        put("origin_m", Array::column(self.origin_m));
+        put("cell_m", Array::column(self.cell_m.unwrap_or_default()));
+        put("materials.name", Array::column(self.materials.iter().cloned()));
+        put("groups.name", Array::column(self.groups.iter().cloned()));
         self.bodies.put(&mut tables);
         self.pairs.put(&mut tables);
         self.walls.put(&mut tables);

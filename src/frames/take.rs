@@ -106,25 +106,18 @@ impl FrameTables<'_, '_> {
 
     /// Index of the group of every particle, and the names in the order of the alphabet.
     fn groups(&self) -> (Vec<u32>, Vec<String>) {
-        let of = |entity| {
-            let (_, group) = self.origins.get(entity).ok()?;
-            group.map(|group| group.0.as_str())
-        };
+        let group = |entity: &Entity| Some(self.origins.get(*entity).ok()?.1?.0.as_str());
         let entities = &self.bodies.entities[..self.bodies.particles];
-        let mut names: Vec<&str> = entities.iter().filter_map(|entity| of(*entity)).collect();
+        let mut names: Vec<&str> = entities.iter().filter_map(group).collect();
         names.sort_unstable();
         names.dedup();
-        let index = |entity| {
-            let name = of(entity)?;
-            names.binary_search(&name).ok().map(|k| k as u32)
-        };
-        let indices = entities.iter().map(|entity| index(*entity).unwrap_or(NONE)).collect();
-        (indices, names.into_iter().map(str::to_owned).collect())
+        let index = |entity| names.binary_search(&group(entity)?).ok();
+        let indices = entities.iter().map(|entity| index(entity).map_or(NONE, |k| k as u32));
+        (indices.collect(), names.iter().map(|name| (*name).to_owned()).collect())
     }
 
     fn chains(&self) -> FrameMembranes {
-        let mut list: Vec<_> = self.membranes.iter().collect();
-        list.sort_unstable_by(|(a, _), (b, _)| a.name.cmp(&b.name));
+        let list = self.membranes.iter().sort_unstable_by::<&Membrane>(|a, b| a.name.cmp(&b.name));
         let mut columns = FrameMembranes { first_point: vec![0], ..FrameMembranes::default() };
         for (membrane, shape) in list {
             for chain in &shape.chains {

@@ -143,16 +143,18 @@ fn a_frame_without_anything_reads_back() {
 #[cfg(feature = "npz")]
 #[test]
 fn a_frame_reads_back_and_damage_is_named() {
+    use crate::tables::{Array, Tables};
+
     let (_, frame) = compressed();
-    let bytes = frame.encode().unwrap();
-    assert_eq!(Frame::decode(&bytes).unwrap(), frame);
-    let said = |tables: &crate::tables::Tables| Frame::from_tables(tables).unwrap_err().to_string();
+    let bytes = frame.tables().encode().unwrap();
+    assert_eq!(Frame::from_tables(&Tables::decode(&bytes).unwrap()).unwrap(), frame);
+    let said = |tables: &Tables| Frame::from_tables(tables).unwrap_err().to_string();
     let mut tables = frame.tables();
-    tables.put("pairs.state", crate::tables::Array::u8(vec![9; frame.pairs.a.len()]));
+    tables.put("pairs.state", Array::column(vec![9_u8; frame.pairs.a.len()]));
     assert_eq!(said(&tables), "array `pairs.state`: the value in row 0 is out of range");
-    tables.put("format", crate::tables::Array::word("clastic state 1"));
+    tables.put("format", Array::single("clastic state 1".to_owned()));
     assert!(said(&tables).starts_with("not a frame"), "{}", said(&tables));
-    tables.put("format", crate::tables::Array::word("clastic frame 9"));
+    tables.put("format", Array::single("clastic frame 9".to_owned()));
     assert!(said(&tables).contains("format 9"), "{}", said(&tables));
 }
 

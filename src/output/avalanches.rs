@@ -33,7 +33,6 @@ use super::run_directory::RunDirectory;
 pub(super) struct Ended(pub Avalanche, pub Option<(Option<f64>, f64)>);
 
 impl Ended {
-    /// Writes its row.
     pub fn write(&self, found: &mut Found, run: &mut RunDirectory) -> Result<(), OutputError> {
         found.avalanches += 1;
         found.largest_avalanche = found.largest_avalanche.max(self.0.bonds() as usize);
@@ -41,7 +40,6 @@ impl Ended {
     }
 }
 
-/// Columns.
 pub(super) const COLUMNS: [Column<Ended>; 16] = [
     ("increment", |Ended(of, _)| of.increment.into()),
     ("stage", |Ended(of, _)| of.stage.as_str().into()),
@@ -64,7 +62,6 @@ pub(super) const COLUMNS: [Column<Ended>; 16] = [
     }),
 ];
 
-/// The current avalanche of a run.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct CurrentAvalanche(pub Option<Avalanche>);
 
@@ -98,20 +95,31 @@ impl Avalanche {
         }
         let is_loaded = observation.fraction > 0.0;
         let is_active = now.search.active;
-        let after = (!is_loaded).then(|| (observation.axial_stress, now.elastic_energy()));
+        // Of contacts and bonds, J. Only static increments begin and end avalanches.
+        let energy = || elastic_energy_left(&now.program, &now.solution);
+        let after = (!is_loaded).then(|| (observation.axial_stress, energy()));
         if let Some(avalanche) = open.as_mut().filter(|_| !is_loaded) {
             avalanche.work = avalanche.work.zip(now.work()).map(|(before, more)| before + more);
         }
-        let mut ended = if observation.ruptures.is_empty() {
-            open.take().map(|avalanche| Ended(avalanche, after))
-        } else if is_loaded {
-            // Loading continued with one round of ruptures.
-            open.take().map(|avalanche| Ended(avalanche, None))
-        } else {
-            None
-        };
-        if open.is_none() && is_active {
-            *open = Self::begun(now);
+        let mut ended = None;
+        // Loading may have continued with one round of ruptures; there is no state after it then.
+        if observation.ruptures.is_empty() || is_loaded {
+            ended = open.take().map(|avalanche| Ended(avalanche, after));
+        }
+        if let (None, true, Some(first)) = (&*open, is_active, observation.ruptures.first()) {
+            *open = Some(Self {
+                increment: observation.increment,
+                stage: observation.stage.clone(),
+                strain: observation.axial_strain,
+                first_bond: first.bond.0,
+                rounds: 0,
+                broken: [0; 3],
+                stress: observation.axial_stress,
+                energy: energy(),
+                work: Some(0.0),
+                place: first.position,
+                spread: 0.0,
+            });
         }
         if let Some(avalanche) = open {
             avalanche.rounds += 1;
@@ -125,24 +133,6 @@ impl Avalanche {
             ended = Some(Ended(avalanche, after));
         }
         ended
-    }
-
-    fn begun(now: &Now) -> Option<Self> {
-        let observation = &*now.observation;
-        let first = observation.ruptures.first()?;
-        Some(Self {
-            increment: observation.increment,
-            stage: observation.stage.clone(),
-            strain: observation.axial_strain,
-            first_bond: first.bond.0,
-            rounds: 0,
-            broken: [0; 3],
-            stress: observation.axial_stress,
-            energy: now.elastic_energy(),
-            work: Some(0.0),
-            place: first.position,
-            spread: 0.0,
-        })
     }
 
     fn bonds(&self) -> u32 {
@@ -173,12 +163,6 @@ pub(super) struct Now<'w> {
 }
 
 impl Now<'_> {
-    /// Elastic energy of the contacts and bonds after the last solution, J. Only static increments
-    /// begin and end avalanches.
-    fn elastic_energy(&self) -> f64 {
-        elastic_energy_left(&self.program, &self.solution)
-    }
-
     /// Work of the loads in the last increment, which was made at constant load, J. Without loads
     /// it is 0, else the energy ledger has it.
     fn work(&self) -> Option<f64> {
@@ -198,8 +182,10 @@ pub(super) fn write_ended(
     mut found: ResMut<Found>,
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
-    let ended = Avalanche::follow(&mut current.0, &now);
-    ended.map_or(Ok(()), |ended| ended.write(&mut found, &mut run))
+    match Avalanche::follow(&mut current.0, &now) {
+        Some(ended) => ended.write(&mut found, &mut run),
+        None => Ok(()),
+    }
 }
 
 #[cfg(test)]

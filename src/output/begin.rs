@@ -9,15 +9,15 @@ use bevy_ecs::prelude::*;
 use super::atomic::{durably, write_atomic};
 use super::avalanches::{self, CurrentAvalanche};
 use super::checkpoint::{Checkpoint, WHOLE};
-use super::csv_file::{self, CsvFile};
+use super::csv_file::{self, CsvFile, Row};
 use super::found::Found;
 use super::frames::{self, FrameMoments};
 use super::prepared::{Prepared, PreparedSpecimen};
 use super::run_directory::{RunDirectory, RunOptions, Tables};
 use super::run_record::{CLASTIC_VERSION, Resumed, RunFacts, RunRecord};
 use super::save::{is_last_increment, keep_last, save};
-use super::wanted::Wanted;
 use super::{OutputError, directory, events, history, states, timings};
+use crate::run::stages::Script;
 use crate::scene::LoadedScene;
 use crate::scene::format::Scene;
 
@@ -58,23 +58,21 @@ pub fn begin(
     make_frames(dir, &loaded.scene)?;
     record.write(&dir.join(directory::RUN))?;
     write_atomic(&dir.join(directory::SCENE), &loaded.text)?;
-    let create = |name: &str, columns: &mut dyn Iterator<Item = &str>| {
-        CsvFile::create(dir.join(name), columns)
-    };
+    let create = |name: &str, header: Row| CsvFile::create(dir.join(name), header);
     let columns = history::columns(&loaded.scene);
+    let header = Row::default().and(columns.iter().map(String::as_str));
     let tables = Tables {
-        history: CsvFile::begin(dir.join(directory::HISTORY), history_file, columns)?,
-        events: create(directory::EVENTS, &mut csv_file::names(&events::COLUMNS))?,
-        avalanches: create(directory::AVALANCHES, &mut csv_file::names(&avalanches::COLUMNS))?,
-        timings: create(directory::TIMINGS, &mut timings::COLUMNS.into_iter())?,
+        history: CsvFile::begin(dir.join(directory::HISTORY), history_file, header)?,
+        events: create(directory::EVENTS, csv_file::header(&events::COLUMNS))?,
+        avalanches: create(directory::AVALANCHES, csv_file::header(&avalanches::COLUMNS))?,
+        timings: create(directory::TIMINGS, Row::default().and(timings::COLUMNS))?,
     };
     let fresh = vec![dir.join(directory::SCENE)];
     FrameMoments::begin(world, false);
-    let prepared = Prepared::take(world);
-    world.insert_resource(PreparedSpecimen { waiting: Some(prepared), written: None });
+    let waiting = Some(Prepared::now(world.resource(), world.resource()));
+    world.insert_resource(PreparedSpecimen { waiting, written: None });
     world.insert_resource(CurrentAvalanche::default());
     world.insert_resource(Found::default());
-    world.init_resource::<Wanted>();
     let saves = options.checkpoint_every > 0;
     let run = RunDirectory::new(options, loaded, facts, record, tables);
     world.insert_resource(RunDirectory { fresh, ..run });
@@ -135,21 +133,27 @@ pub fn resume(
         next.write(directory, directory::CHECKPOINT)?;
         write_scene(&next.scene)?;
     }
-    let kept = states::kept_before(&loaded.scene, &next.world);
-    let mut there = whole_files(world);
-    there.extend(kept.iter().map(String::as_str));
-    let has_begun = world.resource::<PreparedSpecimen>().waiting.is_none();
-    there.extend(frames::kept(directory, increment, has_begun));
+    let specimen = world.resource::<PreparedSpecimen>();
+    let has_begun = specimen.waiting.is_none();
+    let files = [
+        (directory::SPECIMEN, specimen.written.is_some()),
+        (directory::MECHANISM, world.resource::<Found>().mechanism.is_some()),
+        (directory::FRAME_START, has_begun),
+        (directory::FRAME_PEAK, frames::has_peak(directory, increment)),
+    ];
+    let states = states::kept_before(world);
+    let files = files.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name);
+    let there: Vec<_> = files.chain(states.iter().map(String::as_str)).collect();
     directory::rewind(directory, increment, &there)?;
     make_frames(directory, &loaded.scene)?;
     let mut record = RunRecord::new(loaded, &next.facts);
     record.write(&directory.join(directory::RUN))?;
-    record.increments = states::increments(&next.world);
+    // A run that starts from a saved state numbers its increments from those before.
+    record.increments = world.resource::<Script>().ends.iter().map(|end| end.rows).sum();
     for table in tables.all() {
         table.cut()?;
     }
     FrameMoments::begin(world, has_begun);
-    world.init_resource::<Wanted>();
     let options = RunOptions { directory: directory.to_owned(), ..next.options };
     let run = RunDirectory::new(options, loaded, next.facts, record, tables);
     world.insert_resource(RunDirectory { saved: Some(increment), ..run });
@@ -158,18 +162,6 @@ pub fn resume(
         keep_last(world)?;
     }
     Ok(())
-}
-
-/// Existing files that are written once and not rewritten at the end of the run.
-fn whole_files<'a>(world: &World) -> Vec<&'a str> {
-    let mut files = Vec::new();
-    if world.resource::<PreparedSpecimen>().written.is_some() {
-        files.push(directory::SPECIMEN);
-    }
-    if world.resource::<Found>().mechanism.is_some() {
-        files.push(directory::MECHANISM);
-    }
-    files
 }
 
 fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {

@@ -55,15 +55,6 @@ pub struct Checkpoint {
 }
 
 impl Checkpoint {
-    /// The checkpoint of a run that has ended. It has the same bytes in every run.
-    #[must_use]
-    pub fn of_the_end(mut self) -> Self {
-        self.options.checkpoint_every = 0;
-        // The length of the timings is another in every run.
-        self.lengths[3] = WHOLE;
-        self
-    }
-
     /// Writes the checkpoint to the file `name` of a run directory.
     ///
     /// # Errors
@@ -77,13 +68,15 @@ impl Checkpoint {
     fn write_to<W: Write + Seek>(&self, mut file: W) -> io::Result<()> {
         let first_line = |hash: &str| format!("{MAGIC}{VERSION}, sha256 {hash}\n");
         file.write_all(first_line(&sha256(&[])).as_bytes())?;
-        let mut content = BufWriter::with_capacity(BUFFER, HashingWriter::new(&mut file));
+        let hashing = HashingWriter { inner: &mut file, hash: Sha256::new(), error: None };
+        let mut content = BufWriter::with_capacity(BUFFER, hashing);
         // The encoder flushes at the end.
         let encoded = postcard::to_io(self, &mut content).map(|_| ());
-        let hash = content.into_parts().0.finish()?;
+        let HashingWriter { hash, error, .. } = content.into_parts().0;
+        error.map_or(Ok(()), Err)?;
         encoded.map_err(io::Error::other)?;
         file.rewind()?;
-        file.write_all(first_line(&hash).as_bytes())
+        file.write_all(first_line(&hexadecimal(&hash.finalize())).as_bytes())
     }
 
     /// Reads the checkpoint of a run directory and verifies that it is complete and belongs to the
@@ -159,18 +152,6 @@ struct HashingWriter<W> {
 }
 
 impl<W: Write> HashingWriter<W> {
-    fn new(inner: W) -> Self {
-        Self { inner, hash: Sha256::new(), error: None }
-    }
-
-    /// The SHA-256 hash of the content, in hexadecimal digits.
-    fn finish(self) -> io::Result<String> {
-        match self.error {
-            Some(error) => Err(error),
-            None => Ok(hexadecimal(&self.hash.finalize())),
-        }
-    }
-
     fn keep(&mut self, done: io::Result<()>) -> io::Result<()> {
         done.map_err(|error| {
             let kind = error.kind();

@@ -1,8 +1,8 @@
 //! CSV files that are written row by row.
 
 use std::fmt::{self, Display, Write as _};
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::fs::{File, OpenOptions};
+use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::PathBuf;
 
 use super::error::OutputError;
@@ -17,23 +17,15 @@ pub(crate) struct CsvFile {
 }
 
 impl CsvFile {
-    /// Creates the file with its header.
-    pub fn create(
-        path: PathBuf,
-        header: impl IntoIterator<Item: AsRef<str>>,
-    ) -> Result<Self, OutputError> {
+    pub fn create(path: PathBuf, header: Row) -> Result<Self, OutputError> {
         let file = File::create(&path).map_err(OutputError::at(&path))?;
         Self::begin(path, file, header)
     }
 
     /// Writes the header into an open and empty file.
-    pub fn begin(
-        path: PathBuf,
-        file: File,
-        header: impl IntoIterator<Item: AsRef<str>>,
-    ) -> Result<Self, OutputError> {
+    pub fn begin(path: PathBuf, file: File, header: Row) -> Result<Self, OutputError> {
         let mut csv = Self { path, file, length: 0 };
-        csv.push(header.into_iter().fold(Row::default(), |row, name| row.with(name.as_ref())))?;
+        csv.push(header)?;
         Ok(csv)
     }
 
@@ -65,7 +57,6 @@ impl CsvFile {
         done.map_err(OutputError::at(&self.path))
     }
 
-    /// Flushes the rows to the disk.
     pub fn sync(&self) -> Result<(), OutputError> {
         self.file.sync_data().map_err(OutputError::at(&self.path))
     }
@@ -73,13 +64,9 @@ impl CsvFile {
     /// Verifies that the file still exists under its name. The rows written to a file whose
     /// directory was removed would be lost.
     pub fn is_there(&self) -> Result<(), OutputError> {
-        let gone = |error: io::Error| match error.kind() {
-            io::ErrorKind::NotFound => {
-                io::Error::new(error.kind(), "removed or moved while the run was writing it")
-            }
-            _ => error,
-        };
-        fs::metadata(&self.path).map(|_| ()).map_err(|e| OutputError::at(&self.path)(gone(e)))
+        let gone = || OutputError::at(&self.path)("removed or moved while the run was writing it");
+        let is_there = self.path.try_exists().map_err(OutputError::at(&self.path))?;
+        is_there.then_some(()).ok_or_else(gone)
     }
 
     /// Appends a row, in one write. If that fails, the file ends with the previous row.
@@ -155,6 +142,11 @@ pub fn row<T>(columns: &[Column<T>], of: &T) -> Row {
     Row::default().and(columns.iter().map(|(_, field)| field(of)))
 }
 
+/// The header of a table.
+pub fn header<T>(columns: &[Column<T>]) -> Row {
+    Row::default().and(names(columns))
+}
+
 /// Names of columns.
 pub fn names<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> {
     columns.iter().map(|(name, _)| *name)
@@ -214,7 +206,7 @@ mod tests {
     #[test]
     #[cfg(target_os = "linux")]
     fn a_full_disk_is_an_error_that_names_the_file() {
-        let full = CsvFile::create("/dev/full".into(), ["a"]);
+        let full = CsvFile::create("/dev/full".into(), Row::default().with("a"));
         assert!(full.is_err_and(|e| e.to_string().starts_with("/dev/full: ")));
     }
 }

@@ -46,7 +46,7 @@ pub const FRAME_END: &str = "end.npz";
 const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];
 
 /// Frames of moments that have no number.
-const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];
+pub(super) const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];
 
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
 #[must_use]
@@ -69,9 +69,8 @@ pub fn program(directory: &Path, increment: u64) -> PathBuf {
 /// [`OutputError::Exists`] if the directory is not empty and `force` is not given.
 pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     fs::create_dir_all(directory).map_err(OutputError::at(directory))?;
-    let names = entries(directory)?;
     let path = directory.join(HISTORY);
-    if !names.is_empty() && !force {
+    if !force && !entries(directory)?.is_empty() {
         let used = File::open(&path).is_ok_and(|history| !lock(&history));
         let error = if used { OutputError::InUse } else { OutputError::Exists };
         return Err(error(directory.to_owned()));
@@ -84,9 +83,7 @@ pub fn claim(directory: &Path, force: bool) -> Result<File, OutputError> {
     }
     // A directory that was given by mistake may contain other files, so only known names are
     // removed.
-    for name in names.iter().filter(|name| is_ours(name) && *name != HISTORY) {
-        remove(&directory.join(name))?;
-    }
+    remove_files(directory, |name| is_ours(name) && name != HISTORY)?;
     remove_frames(directory, |_| true, &OF_MOMENTS)?;
     history.set_len(0).map_err(OutputError::at(&path))?;
     Ok(history)
@@ -111,17 +108,15 @@ pub fn lock(file: &File) -> bool {
 /// the mechanism of a collapse, unless they are among the files `there`, which existed at that
 /// increment.
 pub(super) fn rewind(directory: &Path, increment: u64, there: &[&str]) -> Result<(), OutputError> {
-    for name in entries(directory)? {
-        let of_the_end = !there.contains(&&*name)
-            && (OF_THE_END.contains(&&*name)
-                || [SPECIMEN, MECHANISM].contains(&&*name)
-                || is_saved_state(&name));
-        let later = numbered(&name, "program_", ".json").is_some_and(|n| n > increment);
+    remove_files(directory, |name| {
+        let of_the_end = !there.contains(&name)
+            && (OF_THE_END.contains(&name)
+                || [SPECIMEN, MECHANISM].contains(&name)
+                || is_saved_state(name));
+        let later = numbered(name, "program_", ".json").is_some_and(|n| n > increment);
         let part = name.strip_suffix(PART).is_some_and(is_ours);
-        if of_the_end || later || part {
-            remove(&directory.join(&name))?;
-        }
-    }
+        of_the_end || later || part
+    })?;
     let gone: Vec<_> = OF_MOMENTS.into_iter().filter(|name| !there.contains(name)).collect();
     remove_frames(directory, |number| number > increment, &gone)
 }
@@ -133,34 +128,33 @@ fn remove_frames(
     moments: &[&str],
 ) -> Result<(), OutputError> {
     let frames = directory.join(FRAMES);
-    if frames.is_dir() {
-        for name in entries(&frames)? {
-            let part = name.strip_suffix(PART);
-            let name_of = |extension| numbered(part.unwrap_or(&name), "frame_", extension);
-            let number = [".csv", ".svg", ".npz"].into_iter().find_map(name_of);
-            let of_moment = match part {
-                Some(name) => OF_MOMENTS.contains(&name),
-                None => moments.contains(&&*name),
-            };
-            if of_moment || number.is_some_and(|number| part.is_some() || which(number)) {
-                remove(&frames.join(&name))?;
-            }
-        }
+    if !frames.is_dir() {
+        return Ok(());
+    }
+    remove_files(&frames, |name| {
+        let part = name.strip_suffix(PART);
+        let number_of = |extension| numbered(part.unwrap_or(name), "frame_", extension);
+        let number = [".csv", ".svg", ".npz"].into_iter().find_map(number_of);
+        let of_moment = match part {
+            Some(name) => OF_MOMENTS.contains(&name),
+            None => moments.contains(&name),
+        };
+        of_moment || number.is_some_and(|number| part.is_some() || which(number))
+    })
+}
+
+fn remove_files(directory: &Path, which: impl Fn(&str) -> bool) -> Result<(), OutputError> {
+    for name in entries(directory)?.iter().filter(|name| which(name)) {
+        let path = directory.join(name);
+        fs::remove_file(&path).map_err(OutputError::at(&path))?;
     }
     Ok(())
 }
 
 fn entries(directory: &Path) -> Result<Vec<String>, OutputError> {
-    let names = || -> io::Result<Vec<String>> {
-        fs::read_dir(directory)?
-            .map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()))
-            .collect()
-    };
-    names().map_err(OutputError::at(directory))
-}
-
-fn remove(path: &Path) -> Result<(), OutputError> {
-    fs::remove_file(path).map_err(OutputError::at(path))
+    let entries = fs::read_dir(directory).map_err(OutputError::at(directory))?;
+    let names = entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()));
+    names.collect::<io::Result<_>>().map_err(OutputError::at(directory))
 }
 
 /// Content of the `run.json` of a directory.

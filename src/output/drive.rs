@@ -36,11 +36,9 @@ impl Drive {
             history.of_test(probe, [motion, force])
         };
         let total = |axis| probes.iter().map(|probe| work(&along(axis, probe))).fold(0.0, f64::max);
-        let axis = AXES.into_iter().max_by(|a, b| total(*a).total_cmp(&total(*b)));
-        let Some((axis, most)) = axis.map(|axis| (axis, total(axis))).filter(|of| of.1 > 0.0)
-        else {
-            return Vec::new();
-        };
+        let axes = AXES.map(|axis| (axis, total(axis))).into_iter();
+        let axis = axes.max_by(|(_, a), (_, b)| a.total_cmp(b)).filter(|(_, most)| *most > 0.0);
+        let Some((axis, most)) = axis else { return Vec::new() };
         let drives = probes.iter().map(|probe| Self::along(probe, axis.2, along(axis, probe)));
         drives.filter(|drive| work(&drive.points) > IDLE * most).collect()
     }

@@ -6,7 +6,6 @@ use clastic_components::observation::Observation;
 use clastic_cone::dump::to_json;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::atomic::write_atomic;
 use super::run_directory::RunDirectory;
 use super::{OutputError, directory};
 use crate::run::stages::Script;
@@ -32,7 +31,6 @@ pub(super) fn write_if_asked(
         &program,
         &solution,
     );
-    write_atomic(&path, text.map_err(OutputError::at(&path))?)?;
-    run.is_fresh(path);
-    Ok(())
+    let text = text.map_err(OutputError::at(&path))?;
+    run.write(path, text)
 }

@@ -30,15 +30,6 @@ pub enum Ending {
     Interrupted,
 }
 
-impl Ending {
-    fn outcome(&self) -> Option<&Outcome> {
-        match self {
-            Self::Finished(outcome) => Some(outcome),
-            Self::Interrupted => None,
-        }
-    }
-}
-
 /// Force, over the largest contact force, up to which it is round-off: as that of an open contact.
 const ROUND_OFF: f64 = 1e-9;
 
@@ -63,17 +54,22 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
     frames::write_final_particles(world)?;
     world.resource_scope(|world, mut run: Mut<RunDirectory>| {
         // The avalanche of an interrupted run continues after it is resumed.
-        if ending.outcome().is_some()
+        if *ending != Ending::Interrupted
             && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()
         {
             Ended(avalanche, None).write(&mut world.resource_mut(), &mut run)?;
         }
+        let scene = &world.resource::<Script>().scene;
         let results = world.resource::<KeyResults>().results();
-        let pours = world.resource::<Script>().scene.stages.iter().any(Stage::pours);
+        let pours = scene.stages.iter().any(Stage::pours);
         let results = world.resource::<Found>().complete(results, pours);
         // The page comes last, so that the numbers are complete if it fails.
-        write_record(&mut run, world, ending.outcome(), &results)?;
-        write_report(&run, world)?;
+        write_record(&mut run, world, ending, &results)?;
+        #[cfg(feature = "report")]
+        if scene.output.plots {
+            let named = (scene.title.clone(), run.directory().to_owned());
+            super::report::write(&[named], &run.path(directory::REPORT))?;
+        }
         if has_ended {
             // The checkpoint is removed last, because a run with a checkpoint counts as not ended.
             directory::remove_if_there(&run.path(directory::CHECKPOINT))?;
@@ -95,13 +91,13 @@ fn needs_checkpoint(world: &World, ending: &Ending) -> bool {
 fn write_record(
     run: &mut RunDirectory,
     world: &World,
-    outcome: Option<&Outcome>,
+    ending: &Ending,
     results: &Results,
 ) -> Result<(), OutputError> {
     let observation = world.resource::<Observation>();
     let path = run.path(directory::RUN);
     let record = &mut run.record;
-    record.outcome = OutcomeRecord::new(outcome, observation.stage.clone(), observation.increment);
+    record.outcome = OutcomeRecord::new(ending, observation.stage.clone(), observation.increment);
     record.stages = world.resource::<Script>().ends.clone();
     record.capped_increments = record.stages.iter().map(|end| end.capped).sum();
     record.specimen_csv = world.resource::<PreparedSpecimen>().written.clone();
@@ -121,21 +117,4 @@ fn write_record(
         run.record.peak_force = PeakForce::of(&history, [least, least * radius]);
     }
     run.record.write(&path)
-}
-
-/// Writes the page, if the scene asks for it.
-#[cfg(feature = "report")]
-fn write_report(run: &RunDirectory, world: &World) -> Result<(), OutputError> {
-    let scene = &world.resource::<Script>().scene;
-    if !scene.output.plots {
-        return Ok(());
-    }
-    let named = (scene.title.clone(), run.directory().to_owned());
-    super::report::write(&[named], &run.path(directory::REPORT))
-}
-
-/// This build writes no page.
-#[cfg(not(feature = "report"))]
-fn write_report(_: &RunDirectory, _: &World) -> Result<(), OutputError> {
-    Ok(())
 }

@@ -39,8 +39,7 @@ pub(super) struct Particles<'w, 's> {
 }
 
 impl Particles<'_, '_> {
-    /// Writes the particles of a frame as CSV.
-    pub(super) fn write(&self, path: &Path) -> Result<(), OutputError> {
+    fn text(&self) -> String {
         let mut text = COLUMNS.join(",") + "\n";
         let bodies = &*self.bodies;
         for (i, x) in bodies.positions.iter().take(bodies.particles).enumerate() {
@@ -53,7 +52,7 @@ impl Particles<'_, '_> {
                 .and(motion.map_or(DVec2::ZERO, |(_, origin)| *x - origin.0).to_array());
             text.push_str(&row.line());
         }
-        write_atomic(path, text)
+        text
     }
 }
 
@@ -83,18 +82,16 @@ pub(super) fn write_wanted(
     }
     let name = format!("frame_{:06}", observation.increment);
     let path = run.path(directory::FRAMES).join(format!("{name}.csv"));
-    particles.write(&path)?;
+    run.write(path, particles.text())?;
     if ARE_ARRAYS {
         write(&mut run, &format!("{name}.npz"), &tables.frame())?;
     }
-    run.is_fresh(path);
     Ok(())
 }
 
-/// Writes the particles at the end.
 pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError> {
     let write = |particles: Particles, run: Res<RunDirectory>| {
-        particles.write(&run.path(directory::FINAL_PARTICLES))
+        write_atomic(&run.path(directory::FINAL_PARTICLES), particles.text())
     };
     world.run_system_cached(write).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -146,12 +143,10 @@ pub(super) fn write_start(
 
 /// Writes the frame of the peak so far, unless it is on the disk.
 pub(super) fn write_peak(world: &mut World) -> Result<(), OutputError> {
-    let peak = world.get_resource_mut::<FrameMoments>().and_then(|mut frames| frames.peak.take());
-    let Some(frame) = peak else { return Ok(()) };
+    let Some(frame) = world.resource_mut::<FrameMoments>().peak.take() else { return Ok(()) };
     write(&mut world.resource_mut(), directory::FRAME_PEAK, &frame)
 }
 
-/// Writes the frame of the end.
 pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
     if !ARE_ARRAYS {
         return Ok(());
@@ -162,21 +157,13 @@ pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
 
 fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), OutputError> {
     let path = run.path(directory::FRAMES).join(name);
-    write_atomic(&path, frame.encode().map_err(OutputError::at(&path))?)?;
-    run.is_fresh(path);
-    Ok(())
+    let bytes = frame.tables().encode().map_err(OutputError::at(&path))?;
+    run.write(path, bytes)
 }
 
-/// Frames of a run that is resumed after `increment` which it does not write again.
-pub(super) fn kept(directory: &Path, increment: u64, has_begun: bool) -> Vec<&'static str> {
-    let mut kept = Vec::new();
-    if has_begun {
-        kept.push(directory::FRAME_START);
-    }
-    // A run that was killed between the frame and its checkpoint leaves a later peak.
+/// Whether a run directory has the frame of the peak up to `increment`. A run that was killed
+/// between this frame and its checkpoint leaves a later peak.
+pub(super) fn has_peak(directory: &Path, increment: u64) -> bool {
     let peak = Frame::read(&directory.join(directory::FRAMES).join(directory::FRAME_PEAK));
-    if peak.is_ok_and(|frame| frame.increment <= increment) {
-        kept.push(directory::FRAME_PEAK);
-    }
-    kept
+    peak.is_ok_and(|frame| frame.increment <= increment)
 }

@@ -6,33 +6,99 @@
 use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
+use indexmap::IndexSet;
 
+use clastic_components::attempt::IncrementStatus;
 use clastic_components::energy::EnergyLedger;
 use clastic_components::measure::Readings;
-use clastic_components::observation::Observation;
+use clastic_components::observation::{Observation, ProbeReading};
 
-use super::csv_file::{Field, Row};
+use super::OutputError;
+use super::csv_file::{self, Column, Field, Row, names};
 use super::run_directory::RunDirectory;
 use super::wanted::Wanted;
-use super::{OutputError, csv_file};
-use crate::history_columns::{COLUMNS, ENERGY_COLUMNS, PROBE_COLUMNS};
-use crate::scene::format::{Scene, Specimen};
+use crate::scene::format::{Scene, Specimen, Stage};
+
+/// Columns before those of the probes.
+const COLUMNS: [Column<Observation>; 28] = [
+    ("increment", |o| o.increment.into()),
+    ("stage", |o| o.stage.as_str().into()),
+    ("time_s", |o| o.time.into()),
+    ("axial_strain", |o| o.axial_strain.into()),
+    ("lateral_strain", |o| o.lateral_strain.into()),
+    ("volumetric_strain", |o| o.volumetric_strain.into()),
+    ("axial_stress_pa", |o| o.axial_stress.into()),
+    ("lateral_stress_pa", |o| o.lateral_stress.into()),
+    ("contacts", |o| Field::Count(o.contacts as u64)),
+    ("bonds", |o| Field::Count(o.bonds as u64)),
+    ("broken_tension", |o| Field::Count(o.broken[0] as u64)),
+    ("broken_shear", |o| Field::Count(o.broken[1] as u64)),
+    ("broken_rolling", |o| Field::Count(o.broken[2] as u64)),
+    ("solver_iterations", |o| Field::Count(o.iterations.into())),
+    ("residual_balance", |o| of_solution(o, o.residuals.balance)),
+    ("residual_kinematics", |o| of_solution(o, o.residuals.kinematics)),
+    ("residual_cone", |o| of_solution(o, o.residuals.cone)),
+    ("residual_complementarity", |o| of_solution(o, o.residuals.complementarity)),
+    ("imbalance_at_end", |o| of_solution(o, o.imbalance)),
+    ("idle_motion", |o| o.idle_motion.into()),
+    ("status", |o| o.status.name().into()),
+    ("fraction", |o| o.fraction.into()),
+    ("potential_contacts", |o| Field::Count(o.potential_contacts as u64)),
+    ("solves", |o| Field::Count(o.solves.into())),
+    ("motion_steps", |o| Field::Count(o.motion_steps.into())),
+    ("kinetic_energy_j", |o| o.kinetic_energy.into()),
+    ("coulomb_residual", |o| o.coulomb_residual.into()),
+    ("caps", |o| o.caps.as_str().into()),
+];
+
+/// A collapse has no solution and therefore no residuals.
+fn of_solution(o: &Observation, residual: f64) -> Field<'static> {
+    Some(residual).filter(|_| o.status != IncrementStatus::Collapsed).into()
+}
+
+/// Columns after those of the probes, if the scene requests the energy ledger. All are sums since
+/// the start except the elastic energy, which is the current value.
+const ENERGY_COLUMNS: [Column<EnergyLedger>; 14] = [
+    ("energy_external_j", |e| e.total.external.into()),
+    ("energy_gravity_j", |e| e.total.gravity.into()),
+    ("energy_exchange_j", |e| e.total.exchange.into()),
+    ("energy_kinetic_change_j", |e| e.total.kinetic.into()),
+    ("energy_elastic_j", |e| e.stored.unwrap_or_default().into()),
+    ("energy_friction_j", |e| e.total.friction.into()),
+    ("energy_rolling_j", |e| e.total.rolling.into()),
+    ("energy_dilation_j", |e| e.total.dilation.into()),
+    ("energy_collision_j", |e| e.total.collision.into()),
+    ("energy_rupture_j", |e| e.total.rupture.into()),
+    ("energy_motion_j", |e| e.total.motion.into()),
+    ("energy_turning_j", |e| e.total.turning.into()),
+    ("energy_numerical_j", |e| e.total.numerical.into()),
+    ("energy_error_j", |e| e.total.error().into()),
+];
+
+/// Columns of each probe, after its name: displacement since the start of the stage list, and force
+/// and moment of the outside world on the body.
+pub(super) const PROBE_COLUMNS: [Column<ProbeReading>; 6] = [
+    (".x_m", |probe| probe.motion[0].into()),
+    (".y_m", |probe| probe.motion[1].into()),
+    (".rotation_rad", |probe| probe.motion[2].into()),
+    (".force_x_n", |probe| probe.force[0].into()),
+    (".force_y_n", |probe| probe.force[1].into()),
+    (".moment_nm", |probe| probe.force[2].into()),
+];
+
+/// Whether a column before or after those of the probes has this name, which no measure may have.
+pub fn has_column(name: &str) -> bool {
+    names(&COLUMNS).chain(names(&ENERGY_COLUMNS)).any(|column| column == name)
+}
 
 /// Names of the rigid groups of a scene: those from the start, then in the order of the stages that
 /// make them.
 #[must_use]
 pub fn rigid_groups(scene: &Scene) -> Vec<String> {
-    let mut names = scene.rigid_at_start.clone();
-    for stage in &scene.stages {
-        let Some(load) = stage.load() else { continue };
-        let made = load.rigid.iter().filter(|(_, control)| control.makes());
-        for (name, _) in made {
-            if !names.contains(name) {
-                names.push(name.clone());
-            }
-        }
-    }
-    names
+    let of_stages = scene.stages.iter().filter_map(Stage::load).flat_map(|load| &load.rigid);
+    let made = of_stages.filter(|(_, control)| control.makes()).map(|(name, _)| name);
+    let names: IndexSet<_> = scene.rigid_at_start.iter().chain(made).cloned().collect();
+    names.into_iter().collect()
 }
 
 /// Names of a scene's probes: particles by index, then walls, then rigid groups.
@@ -50,11 +116,10 @@ pub fn probes(scene: &Scene) -> Vec<String> {
     bodies.into_iter().chain(rigid_groups(scene)).collect()
 }
 
-/// The header.
-#[must_use]
-pub fn header(probes: &[String]) -> Vec<String> {
-    let of_probe = |name| csv_file::names(&PROBE_COLUMNS).map(move |of| format!("{name}{of}"));
-    let header = csv_file::names(&COLUMNS).map(str::to_owned);
+/// The columns of every history, with those of the probes.
+fn header(probes: &[String]) -> Vec<String> {
+    let of_probe = |name| names(&PROBE_COLUMNS).map(move |of| format!("{name}{of}"));
+    let header = names(&COLUMNS).map(str::to_owned);
     header.chain(probes.iter().flat_map(of_probe)).collect()
 }
 
@@ -64,7 +129,7 @@ pub fn header(probes: &[String]) -> Vec<String> {
 pub fn columns(scene: &Scene) -> Vec<String> {
     let mut header = header(&probes(scene));
     if scene.output.energy {
-        header.extend(csv_file::names(&ENERGY_COLUMNS).map(str::to_owned));
+        header.extend(names(&ENERGY_COLUMNS).map(str::to_owned));
     }
     header.extend(scene.further_measures().map(|measure| measure.name.clone()));
     header
@@ -119,8 +184,6 @@ pub(super) fn write_wanted(
 
 #[cfg(test)]
 mod tests {
-    use clastic_components::observation::ProbeReading;
-
     use super::*;
 
     #[test]

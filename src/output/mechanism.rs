@@ -7,7 +7,6 @@ use clastic_components::contact::BodyTable;
 use clastic_components::observation::Observation;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
-use super::atomic::write_atomic;
 use super::csv_file::Row;
 use super::found::Found;
 use super::run_directory::RunDirectory;
@@ -48,7 +47,5 @@ pub(super) fn write_first(
         text += &row.line();
     }
     let path = run.path(directory::MECHANISM);
-    write_atomic(&path, text)?;
-    run.is_fresh(path);
-    Ok(())
+    run.write(path, text)
 }

@@ -11,9 +11,8 @@ use super::found::Found;
 use super::prepared::{self, PreparedSpecimen};
 use super::run_directory::RunDirectory;
 use super::save::{is_checkpoint_due, is_last_increment, keep_last, save};
-use super::{
-    OutputError, dump, events, found, frames, history, mechanism, states, timings, wanted,
-};
+use super::wanted::{self, Wanted};
+use super::{OutputError, dump, events, found, frames, history, mechanism, states, timings};
 use crate::run::key_results::is_undecided;
 use crate::run::plugin::{BeginStage, EndStage, StageSystems};
 use crate::run::save::SavedStates;
@@ -33,19 +32,14 @@ pub struct OutputFailure(pub OutputError);
 
 impl Plugin for OutputPlugin {
     fn build(&self, app: &mut App) {
+        let take_start = prepared::take_start.run_if(resource_exists::<RunDirectory>);
+        let write_packing = prepared::write_packing.pipe(halt).run_if(can_write);
         app.register_resource::<PreparedSpecimen>("output.specimen")
             .register_resource::<CurrentAvalanche>("output.avalanche")
             .register_resource::<Found>("output.results")
-            .add_systems(
-                BeginStage,
-                prepared::take_start
-                    .run_if(resource_exists::<RunDirectory>)
-                    .before(StageSystems::BuiltIn),
-            )
-            .add_systems(
-                EndStage,
-                prepared::write_packing.pipe(halt).run_if(can_write).after(StageSystems::Custom),
-            )
+            .init_resource::<Wanted>()
+            .add_systems(BeginStage, take_start.before(StageSystems::BuiltIn))
+            .add_systems(EndStage, write_packing.after(StageSystems::Custom))
             .add_systems(
                 AdvanceIncrement,
                 (

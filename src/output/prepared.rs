@@ -43,13 +43,7 @@ pub struct Prepared {
 }
 
 impl Prepared {
-    /// The specimen of a world whose tables are up to date.
-    pub(super) fn take(world: &World) -> Self {
-        Self::now(world.resource(), world.resource())
-    }
-
-    /// The specimen as it is now.
-    fn now(bodies: &BodyTable, materials: &Materials) -> Self {
+    pub(super) fn now(bodies: &BodyTable, materials: &Materials) -> Self {
         Self {
             rows: frames::specimen_rows(bodies, materials),
             cell_area: bodies.cell.as_ref().map(PeriodicCell::area),
@@ -64,7 +58,7 @@ pub(super) fn take_start(world: &mut World) {
         world.resource::<ClasticProgress>().stage == world.resource::<Script>().reference_stage();
     if is_reference && world.resource::<PreparedSpecimen>().waiting.is_some() {
         frames::FrameMoments::begin(world, false);
-        let prepared = Prepared::take(world);
+        let prepared = Prepared::now(world.resource(), world.resource());
         world.resource_mut::<PreparedSpecimen>().waiting = Some(prepared);
     }
 }
@@ -83,20 +77,21 @@ pub fn prepare(
     if let Some(before) = &specimen.waiting
         && just_compacted(&script)
         && observation.motion_steps > 0
+        && !is_cut(&script)
+        && let Some(porosity_before) = porosity::in_cell_or_box(before)
+        && let Some(porosity_after) = porosity::in_cell_or_box(&now())
+        && porosity_before - porosity_after > SETTLED
     {
-        let pair = porosity::in_cell_or_box(before).zip(porosity::in_cell_or_box(&now()));
-        let pair = pair.filter(|(before, after)| before - after > SETTLED && !is_cut(&script));
-        found.settled = pair
-            .map(|(porosity_before, porosity_after)| Settled { porosity_before, porosity_after })
-            .or(found.settled);
+        found.settled = Some(Settled { porosity_before, porosity_after });
     }
     if !is_reference {
         specimen.waiting = Some(now());
     } else if let Some(prepared) = specimen.waiting.take() {
         let stage = script.stage(script.reference_stage()).map_or("", Stage::name);
-        let moment =
-            format!("at the start of the reference stage `{stage}`, before its first increment");
-        write(&mut run, &mut specimen, &prepared, moment)?;
+        specimen.written = Some(format!(
+            "at the start of the reference stage `{stage}`, before its first increment"
+        ));
+        write(&mut run, &prepared.rows)?;
         if !script.scene.stages.iter().any(Stage::pours) {
             found.porosity = if is_cut(&script) {
                 porosity::within(&prepared.rows)
@@ -113,10 +108,9 @@ pub(super) fn write_packing(world: &mut World) -> Result<(), OutputError> {
     let Stage::Compact(stage) = &world.resource::<CurrentStage>().0 else { return Ok(()) };
     let moment = format!("at the end of the compaction `{}`", stage.name);
     let _ = world.run_system_cached(gather_bodies);
-    let packing = Prepared::take(world);
-    world.resource_scope(|world, mut run: Mut<RunDirectory>| {
-        write(&mut run, &mut world.resource_mut::<PreparedSpecimen>(), &packing, moment)
-    })?;
+    let packing = Prepared::now(world.resource(), world.resource());
+    world.resource_mut::<PreparedSpecimen>().written = Some(moment);
+    write(&mut world.resource_mut(), &packing.rows)?;
     let script = world.resource::<Script>();
     if world.resource::<ClasticProgress>().stage >= script.reference_stage() {
         // The scene has no loading stage, so its result is the packing.
@@ -139,15 +133,9 @@ fn is_cut(script: &Script) -> bool {
     script.scene.keep.is_some() || before.into_iter().any(|s| matches!(s, Stage::Remove(_)))
 }
 
-fn write(
-    run: &mut RunDirectory,
-    specimen: &mut PreparedSpecimen,
-    prepared: &Prepared,
-    moment: String,
-) -> Result<(), OutputError> {
+fn write(run: &mut RunDirectory, rows: &[StoredParticle]) -> Result<(), OutputError> {
     let path = run.path(directory::SPECIMEN);
-    specimen.written = Some(moment);
-    atomically(&path, |temporary| specimen_file::write(temporary, &prepared.rows))?;
+    atomically(&path, |temporary| specimen_file::write(temporary, rows))?;
     run.is_fresh(path);
     Ok(())
 }

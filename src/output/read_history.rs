@@ -2,10 +2,10 @@
 
 use std::path::Path;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
-use crate::history_columns::PROBE_COLUMNS;
-use crate::output::{OutputError, directory};
+use super::history::PROBE_COLUMNS;
+use super::{OutputError, directory};
 
 /// A probe after an increment of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -63,10 +63,8 @@ impl History {
             record["seeds"].get(format!("stage {name}")).is_some()
                 && time.get(*row) == time.get(history.test - 1)
         });
-        let groups = record["settings"]["rigid_groups"].as_array();
-        let groups =
-            groups.into_iter().flatten().filter_map(|name| Some(name.as_str()?.to_owned()));
-        Ok(Self { is_compacted, rigid_groups: groups.collect(), ..history })
+        let groups = Vec::deserialize(&record["settings"]["rigid_groups"]);
+        Ok(Self { is_compacted, rigid_groups: groups.unwrap_or_default(), ..history })
     }
 
     /// States how many increments the run has made by itself. Increments count over all runs that

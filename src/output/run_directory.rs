@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::OutputError;
+use super::atomic::write_atomic;
 use super::checkpoint::Checkpoint;
 use super::csv_file::CsvFile;
 use super::history::probes;
@@ -41,9 +42,7 @@ pub struct RunOptions {
 pub struct RunDirectory {
     /// Its path, the increments to dump, and the number of increments between checkpoints.
     pub(crate) options: RunOptions,
-    /// Text of the scene.
     pub(super) scene_text: String,
-    /// Facts about the run.
     pub(super) facts: RunFacts,
     /// Content of `run.json`, whole once the run has ended.
     pub(crate) record: RunRecord,
@@ -55,6 +54,8 @@ pub struct RunDirectory {
     pub(super) fresh: Vec<PathBuf>,
     /// Increment of the last checkpoint, from which a resumed run continues.
     pub(crate) saved: Option<u64>,
+    /// The checkpoint after the last increment, from which more increments or stages continue.
+    pub(super) last: Option<Checkpoint>,
     /// Seconds spent on checkpoints since the last row of the timings.
     pub(super) saving: f64,
     /// Start of the output of the last increment.
@@ -94,6 +95,7 @@ impl RunDirectory {
             tables,
             fresh: Vec::new(),
             saved: None,
+            last: None,
             saving: 0.0,
             clock: Instant::now(),
         }
@@ -104,9 +106,19 @@ impl RunDirectory {
         &self.options.directory
     }
 
-    /// Path of a file.
     pub(super) fn path(&self, name: &str) -> PathBuf {
         self.options.directory.join(name)
+    }
+
+    /// Writes a whole file.
+    pub(super) fn write(
+        &mut self,
+        path: PathBuf,
+        content: impl AsRef<[u8]>,
+    ) -> Result<(), OutputError> {
+        write_atomic(&path, content)?;
+        self.is_fresh(path);
+        Ok(())
     }
 
     /// Notes that a whole file was written.

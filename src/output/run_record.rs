@@ -3,23 +3,21 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-use super::OutputError;
 use super::atomic::write_atomic;
 use super::drive::PeakForce;
 use super::found::Settled;
 use super::history::rigid_groups;
+use super::{Ending, OutputError};
 use crate::run::key_results::Results;
 use crate::run::sanity::Report;
-use crate::run::stages::Script;
 use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
 use crate::scene::LoadedScene;
 use crate::scene::files::read_at_most;
-use crate::scene::format::{
-    Acceptance, Analysis, FrictionLaw, Rupture, Scene, Solver, Specimen, Stage,
-};
+use crate::scene::format::{Acceptance, Analysis, FrictionLaw, Rupture, Solver, Specimen, Stage};
 
 /// Version of this program.
 pub const CLASTIC_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -60,7 +58,7 @@ pub struct RunRecord {
     pub peak_force: Option<PeakForce>,
     /// Key results.
     pub results: Results,
-    conventions: Conventions,
+    conventions: IndexMap<&'static str, &'static str>,
 }
 
 /// Facts about a run that are not part of the scene.
@@ -111,7 +109,8 @@ pub struct Resumed {
 struct Settings {
     analysis: Analysis,
     friction_law: FrictionLaw,
-    friction: FrictionOfStages,
+    /// The law that `friction_law` means in this scene, by kind of stage.
+    friction: IndexMap<&'static str, &'static str>,
     rupture: Rupture,
     solver: Solver,
     acceptance: Acceptance,
@@ -123,28 +122,8 @@ struct Settings {
     rigid_groups: Vec<String>,
 }
 
-/// The law of friction that `friction_law` means in this scene, by kind of stage.
-#[derive(Clone, Copy, Debug, Serialize)]
-struct FrictionOfStages {
-    #[serde(rename = "static")]
-    in_statics: &'static str,
-    #[serde(rename = "dynamic")]
-    in_dynamics: &'static str,
-}
-
-impl FrictionOfStages {
-    fn new(scene: &Scene) -> Self {
-        let law = scene.friction_law.by_analysis();
-        let name = |coulomb: bool| if coulomb { "Coulomb" } else { "associated" };
-        Self {
-            in_statics: name(law.in_statics.is_some()),
-            in_dynamics: name(law.in_dynamics.is_some()),
-        }
-    }
-}
-
 /// How a run ended.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct OutcomeRecord {
     /// `running`, `completed`, `collapsed`, `interrupted`, `undecided` or `refused`.
     pub status: &'static str,
@@ -159,13 +138,9 @@ pub struct OutcomeRecord {
 }
 
 impl OutcomeRecord {
-    /// Outcome of a run that has not ended, or that was killed.
-    pub const RUNNING: Self =
-        Self { status: "running", stage: None, increment: None, collapsed_by: None, message: None };
-
-    /// Outcome of a run whose last increment is given.
+    /// Outcome of a run whose last stage and increment are given.
     #[must_use]
-    pub fn new(outcome: Option<&Outcome>, stage: String, increment: u64) -> Self {
+    pub fn new(ending: &Ending, stage: String, increment: u64) -> Self {
         let at = |status, stage, increment, message: Option<String>| Self {
             status,
             stage: Some(stage),
@@ -173,53 +148,52 @@ impl OutcomeRecord {
             collapsed_by: None,
             message,
         };
-        match outcome {
-            None => at("interrupted", stage, increment, None),
-            Some(Outcome::Completed) => at("completed", stage, increment, None),
-            Some(Outcome::Collapsed(Collapse { stage, increment, by, reason })) => Self {
-                collapsed_by: Some(*by),
-                ..at("collapsed", stage.clone(), *increment, Some(reason.clone()))
-            },
-            Some(Outcome::Undecided { increment, message }) => {
-                at("undecided", stage, *increment, Some(message.clone()))
+        let Ending::Finished(outcome) = ending else {
+            return at("interrupted", stage, increment, None);
+        };
+        match outcome.clone() {
+            Outcome::Completed => at("completed", stage, increment, None),
+            Outcome::Collapsed(Collapse { stage, increment, by, reason }) => {
+                Self { collapsed_by: Some(by), ..at("collapsed", stage, increment, Some(reason)) }
             }
-            Some(Outcome::Halted(message)) => {
-                at("interrupted", stage, increment, Some(message.clone()))
+            Outcome::Undecided { increment, message } => {
+                at("undecided", stage, increment, Some(message))
             }
-            Some(Outcome::Refused { stage, message }) => {
-                at("refused", stage.clone(), increment, Some(message.clone()))
-            }
+            Outcome::Halted(message) => at("interrupted", stage, increment, Some(message)),
+            Outcome::Refused { stage, message } => at("refused", stage, increment, Some(message)),
         }
     }
 }
 
-#[derive(Clone, Debug, Serialize)]
-struct Conventions {
-    strain: &'static str,
-    stress: &'static str,
-    rotation: &'static str,
-    units: &'static str,
-    residuals: &'static str,
-}
-
-const CONVENTIONS: Conventions = Conventions {
-    strain: "positive in contraction; engineering strain from distances at the start of the \
-             reference stage; volumetric strain 1 - (1 - axial)(1 - lateral)",
-    stress: "positive in compression; Pa, over the out-of-plane thickness",
-    rotation: "positive anticlockwise",
-    units: "SI, as the names say; null and empty fields are values that the scene does not define",
-    residuals: "maximum over all rows, without dimension: balance over the maximum force, or 1 % \
-                of the expected one if that is more (moments: force x mean radius), kinematics over \
-                the maximum displacement, violation of a limit over that force, slack x multiplier \
-                over force x displacement",
-};
+const CONVENTIONS: [(&str, &str); 5] = [
+    (
+        "strain",
+        "positive in contraction; engineering strain from distances at the start of the reference \
+         stage; volumetric strain 1 - (1 - axial)(1 - lateral)",
+    ),
+    ("stress", "positive in compression; Pa, over the out-of-plane thickness"),
+    ("rotation", "positive anticlockwise"),
+    (
+        "units",
+        "SI, as the names say; null and empty fields are values that the scene does not define",
+    ),
+    (
+        "residuals",
+        "maximum over all rows, without dimension: balance over the maximum force, or 1 % of the \
+         expected one if that is more (moments: force x mean radius), kinematics over the maximum \
+         displacement, violation of a limit over that force, slack x multiplier over force x \
+         displacement",
+    ),
+];
 
 impl RunRecord {
     /// Record of a run that has not ended.
     #[must_use]
     pub fn new(loaded: &LoadedScene, facts: &RunFacts) -> Self {
         let scene = &loaded.scene;
-        let reference_stage = Script::new(scene).reference_stage();
+        let reference_stage = scene.stages.get(scene.reference_stage()).map_or("", Stage::name);
+        let law = scene.friction_law.by_analysis();
+        let name = |coulomb: bool| if coulomb { "Coulomb" } else { "associated" };
         let mut seeds = BTreeMap::new();
         if let Specimen::Packing { seed, .. } = scene.specimen {
             seeds.insert("specimen".to_owned(), seed);
@@ -244,17 +218,20 @@ impl RunRecord {
             settings: Settings {
                 analysis: scene.analysis,
                 friction_law: scene.friction_law,
-                friction: FrictionOfStages::new(scene),
+                friction: IndexMap::from([
+                    ("static", name(law.in_statics.is_some())),
+                    ("dynamic", name(law.in_dynamics.is_some())),
+                ]),
                 rupture: scene.rupture,
                 solver: scene.solver.clone(),
                 acceptance: scene.acceptance,
                 thickness_m: scene.thickness,
                 gravity_m_s2: scene.gravity,
-                reference_stage: scene.stages.get(reference_stage).map_or("", |s| s.name()).into(),
+                reference_stage: reference_stage.to_owned(),
                 rigid_groups: rigid_groups(scene),
             },
             seeds,
-            outcome: OutcomeRecord::RUNNING,
+            outcome: OutcomeRecord { status: "running", ..OutcomeRecord::default() },
             stages: Vec::new(),
             increments: 0,
             capped_increments: 0,
@@ -263,7 +240,7 @@ impl RunRecord {
             sanity: Report::default(),
             peak_force: None,
             results: Results::default(),
-            conventions: CONVENTIONS,
+            conventions: IndexMap::from(CONVENTIONS),
         }
     }
 

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use clastic_cone::clarabel::Clarabel;
-use clastic_cone::dump::{Dump, from_json};
+use clastic_cone::dump::from_json;
 use clastic_cone::program::SolveStatus;
 use clastic_cone::solver::ConeSolver;
 
@@ -108,7 +108,8 @@ fn a_dumped_program_reads_back_and_has_the_dumped_solution() -> Result<(), Box<d
     let parent = tempfile::tempdir()?;
     run(parent.path(), u64::MAX)?;
     let path = directory::program(parent.path(), 3);
-    let Dump { program, solution: dumped, .. } = from_json(&fs::read_to_string(&path)?)?;
+    let dump = from_json(&fs::read_to_string(&path)?)?;
+    let (program, dumped) = (dump.program(), dump.solution);
     assert_eq!(dumped.status, SolveStatus::Solved);
     let solution = Clarabel::default().solve(&program, 0.0)?;
     let maximum = dumped.forces.iter().map(|g| g[0].abs()).fold(0.0, f64::max);

@@ -14,7 +14,6 @@ use crate::scene::format::Stage;
 pub struct Wanted {
     /// A row of the history and of the timings.
     pub row: bool,
-    /// A frame.
     pub frame: bool,
 }
 

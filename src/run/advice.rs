@@ -20,7 +20,7 @@ use crate::scene::shown::label;
 const GOOD: f64 = 1e-6;
 
 /// The complaint about an undecided increment, with its place and advice.
-pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String {
+pub fn with_advice(world: &mut World, stage: &Stage, complaint: String) -> String {
     let increment = world.resource::<ClasticProgress>().increment;
     let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
     let forced = locked.then(|| forced(world.resource::<ConeProgram>())).flatten();
@@ -38,7 +38,7 @@ pub fn with_advice(world: &mut World, stage: &Stage, complaint: &str) -> String 
     };
     let complaint = match forced {
         Some(pair) => format!("locked: {}", driven_together(world, pair)),
-        None => complaint.to_owned(),
+        None => complaint,
     };
     let advice = if remedies.is_empty() {
         String::new()

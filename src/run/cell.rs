@@ -48,20 +48,17 @@ pub fn control(world: &mut World, stage: &scene::Load) {
         (control.xx, control.yy, [-cell.width, -cell.height, cell.height])
     };
     for (k, target) in [first, second, control.shear].into_iter().enumerate() {
-        let before = cell.controls[k];
-        cell.controls[k] = match (target, before) {
-            (None, CellControl::Stress { to, .. }) => CellControl::Stress { from: to, to },
-            (None | Some(scene::CellTarget::Fixed), _) => CellControl::Imposed(0.0),
-            (Some(scene::CellTarget::Strain(strain)), _) => {
+        let (from, holds) = match cell.controls[k] {
+            CellControl::Stress { to, .. } => (to, true),
+            CellControl::Imposed(_) => (stress[k], false),
+        };
+        cell.controls[k] = match target {
+            None if holds => CellControl::Stress { from, to: from },
+            None | Some(scene::CellTarget::Fixed) => CellControl::Imposed(0.0),
+            Some(scene::CellTarget::Strain(strain)) => {
                 CellControl::Imposed(strain * lengths[k] / n)
             }
-            (Some(scene::CellTarget::Stress(to)), before) => {
-                let from = match before {
-                    CellControl::Stress { to, .. } => to,
-                    CellControl::Imposed(_) => stress[k],
-                };
-                CellControl::Stress { from, to }
-            }
+            Some(scene::CellTarget::Stress(to)) => CellControl::Stress { from, to },
         };
     }
 }

@@ -42,13 +42,9 @@ pub fn cement(world: &mut World, stage: &Cement) {
 /// Whether a particle can be bonded, by row.
 fn members(world: &mut World, bodies: &BodyTable, stage: &Cement) -> Vec<bool> {
     let Some(select) = &stage.select else { return vec![true; bodies.particles] };
-    let mut takes_part = vec![false; bodies.particles];
-    for (id, _) in selected(world, select) {
-        if let Some(row) = bodies.row(id) {
-            takes_part[row] = true;
-        }
-    }
-    takes_part
+    let chosen = selected(world, select);
+    let is_chosen = |id: &BodyId| chosen.binary_search_by_key(id, |(id, _)| *id).is_ok();
+    bodies.ids[..bodies.particles].iter().map(is_chosen).collect()
 }
 
 /// Why there are not as many pairs as are to be bonded, or none.
@@ -114,7 +110,7 @@ fn near(bodies: &BodyTable, stage: &Cement, takes_part: &[bool], length: f64) ->
         let disks = &bodies.positions[..n];
         match &bodies.cell {
             Some(cell) => pairs = periodic::pairs_within(cell, disks, &bodies.radii, length),
-            None => pairs_within(disks, &bodies.radii, length, &mut pairs),
+            None => pairs = pairs_within(disks, &bodies.radii, length),
         }
     }
     let mut contacts: Vec<Contact> =
@@ -215,7 +211,10 @@ fn add(
     };
     let of_bodies = || {
         if b as usize >= bodies.particles {
-            law_of_wall(world, bodies.ids[b as usize]).or_else(|| law_of(a))
+            // A world without a scene has no catalogue.
+            let catalogue = world.get_resource::<WallCatalogue>();
+            let wall = catalogue.and_then(|catalogue| catalogue.wall(bodies.ids[b as usize]));
+            wall.and_then(|wall| wall.bond.as_ref()).map(bond_law).or_else(|| law_of(a))
         } else {
             law_of(a).zip(law_of(b)).map(|(a, b)| BondLaw::between(a, b))
         }
@@ -229,11 +228,4 @@ fn add(
     let initial_gap =
         contact.gap + law.normal_compliance * carried(world, history, contact, &of_contact);
     world.spawn(Bond { a, b, initial_gap, law });
-}
-
-/// Bond law that the scene gives a wall.
-fn law_of_wall(world: &World, wall: BodyId) -> Option<BondLaw> {
-    // A world without a scene has no catalogue.
-    let catalogue = world.get_resource::<WallCatalogue>()?;
-    catalogue.wall(wall)?.bond.as_ref().map(bond_law)
 }

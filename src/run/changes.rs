@@ -40,12 +40,8 @@ pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     let is_named = old.reference_stage != new.reference_stage;
     fixed("reference_stage", counts_on || !is_named, "strains count from its stage");
     fixed("probes", old.probes == new.probes, "the history has columns for each");
-    let energy = old.output.energy == new.output.energy;
-    fixed(
-        "output.energy",
-        energy,
-        "the columns of the history and the ledger exist from the start",
-    );
+    let why = "the columns of the history and the ledger exist from the start";
+    fixed("output.energy", old.output.energy == new.output.energy, why);
     let why = "strains count from the same stage; name it in `reference_stage`";
     fixed("stages", counts_on || is_named, why);
 
@@ -104,11 +100,9 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
     if f64::from(new.increments) < state.progress.done {
         return Some("it is under way and has made more increments already");
     }
-    let aims = |target: CellTarget| target != CellTarget::Fixed;
-    let cell = old.cell.as_deref();
-    let cell_moves = cell.is_some_and(|cell| {
+    let cell_moves = old.cell.as_deref().is_some_and(|cell| {
         let all = [cell.xx, cell.yy, cell.shear, cell.mean, cell.difference];
-        all.into_iter().flatten().any(aims)
+        all.into_iter().flatten().any(|target| target != CellTarget::Fixed)
     });
     ((state.ramps || cell_moves || !old.scale.is_default()) && old.increments != new.increments)
         .then_some("it is under way, and a load reaches its target at the end of its `increments`")

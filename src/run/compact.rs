@@ -3,22 +3,35 @@
 //!
 //! The linearised non-penetration condition is safe (`|x| >= n.x`): potential contacts do not
 //! overlap after an increment of any size.
+//!
+//! [By radii](CompactBy::Radii) grains grow (radius expansion): in an increment all radii grow by
+//! the same factor before contacts are detected, and the overlaps that this makes are offsets of
+//! the non-penetration conditions: the smallest motion that obeys them pushes the grains apart. The
+//! factor follows from the current radii and from what is left of the stage, so that radii grow
+//! linearly and nothing has to be remembered between increments.
 
 use bevy_ecs::prelude::*;
 
+use clastic_components::attempt::{Attempt, IncrementStatus};
 use clastic_components::body::{
-    BodyAngularVelocity, BodyExternalForce, BodyPosition, BodyVelocity, LastMotion,
+    BodyAngularVelocity, BodyExternalForce, BodyId, BodyPosition, BodyVelocity, LastMotion,
 };
 use clastic_components::cell::PeriodicCell;
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::particle::Particle;
 use clastic_components::wall::{Wall, WallControl};
+use clastic_cone::program::{ConeSolution, SolveStatus};
+use clastic_systems::stepping::{IncrementDue, IncrementUndone};
 
+use super::cell;
 use super::cement::intact;
-use super::disks::Disks;
+use super::disks::{Disks, radii};
+use super::script::Script;
+use super::state::Before;
 use super::walls::find_pair;
-use super::{cell, grow};
-use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget};
+use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget, Stage};
 
 /// Moves the wall, or grows the radii, towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
@@ -38,7 +51,7 @@ fn set_in_motion(world: &mut World, stage: &Compact, disks: &Disks) -> Option<f6
     if stage.by == CompactBy::Radii {
         hold_walls(world);
         cell::hold(world);
-        let growth = (grow::factor(world, stage, disks)? - 1.0) * disks.largest;
+        let growth = (growth_factor(world, stage, disks)? - 1.0) * disks.largest;
         return (growth > 0.0).then(|| (growth / stage.step).ceil().max(1.0));
     }
     let porosity = target_porosity(stage, disks);
@@ -53,7 +66,7 @@ fn set_in_motion(world: &mut World, stage: &Compact, disks: &Disks) -> Option<f6
     let target = match stage.target {
         CompactTarget::Height(height) => height,
         CompactTarget::Porosity(_) | CompactTarget::Jammed => {
-            disks.area / ((1.0 - porosity.unwrap_or_default()) * length)
+            disks.area / ((1.0 - porosity?) * length)
         }
     };
     let distance = height - target;
@@ -66,9 +79,58 @@ fn set_in_motion(world: &mut World, stage: &Compact, disks: &Disks) -> Option<f6
     Some(steps)
 }
 
+/// Run condition: the stage compacts by radii.
+pub(super) fn are_growing(script: Option<Res<Script>>, progress: Res<ClasticProgress>) -> bool {
+    script.is_some_and(|script| growing(&script, &progress).is_some())
+}
+
+fn growing<'a>(script: &'a Script, progress: &ClasticProgress) -> Option<&'a Compact> {
+    match script.stage(progress.stage) {
+        Some(Stage::Compact(stage)) if stage.by == CompactBy::Radii => Some(stage),
+        _ => None,
+    }
+}
+
+/// Factor that brings the disks to the porosity of the stage.
+fn growth_factor(world: &mut World, stage: &Compact, disks: &Disks) -> Option<f64> {
+    let (height, length) = enclosure(world, stage)?;
+    let porosity = target_porosity(stage, disks)?;
+    Some(((1.0 - porosity) * (height * length) / disks.area).sqrt())
+}
+
+/// Sets the radii of the tables to those at the end of the attempt. Exclusive, because it looks for
+/// walls by name.
+pub(super) fn grow(world: &mut World) {
+    let progress = world.resource::<ClasticProgress>();
+    let Some(stage) = growing(world.resource::<Script>(), progress).cloned() else { return };
+    let share = (progress.fraction / (progress.total - progress.done)).min(1.0);
+    let radii = radii(world);
+    let disks = Disks::of(radii.iter().copied());
+    let Some(to_target) = growth_factor(world, &stage, &disks) else { return };
+    let now = 1.0 + (to_target - 1.0) * share;
+    let mut bodies = world.resource_mut::<BodyTable>();
+    bodies.radii = radii.iter().map(|radius| radius * now).collect();
+    bodies.mean_radius = bodies.radii.iter().sum::<f64>() / radii.len().max(1) as f64;
+}
+
+/// Gives the particles the radii of a committed attempt. Their density stays.
+pub(super) fn keep_radii(
+    bodies: Res<BodyTable>,
+    particles: Query<(Entity, &BodyId, &Particle)>,
+    mut commands: Commands,
+) {
+    for (entity, id, disk) in &particles {
+        let Some(row) = bodies.row(*id) else { continue };
+        let radius = bodies.radii[row];
+        let grown = (radius / disk.radius).powi(2);
+        let (mass, inertia) = (disk.mass * grown, disk.inertia * grown * grown);
+        commands.entity(entity).insert(Particle { radius, mass, inertia, ..*disk });
+    }
+}
+
 /// Porosity at which the motion of a compaction would end: of a packing that is to jam one that it
 /// cannot have.
-pub(super) fn target_porosity(stage: &Compact, disks: &Disks) -> Option<f64> {
+fn target_porosity(stage: &Compact, disks: &Disks) -> Option<f64> {
     match stage.target {
         CompactTarget::Height(_) => None,
         CompactTarget::Porosity(porosity) => Some(porosity),
@@ -78,7 +140,7 @@ pub(super) fn target_porosity(stage: &Compact, disks: &Disks) -> Option<f64> {
 
 /// Height and length of what encloses the grains, m: the periodic cell, or the distance of the wall
 /// from the base and the length of the base.
-pub(super) fn enclosure(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
+fn enclosure(world: &mut World, stage: &Compact) -> Option<(f64, f64)> {
     if let Some(cell) = world.get_resource::<PeriodicCell>() {
         return Some((cell.height, cell.width));
     }
@@ -88,7 +150,7 @@ pub(super) fn enclosure(world: &mut World, stage: &Compact) -> Option<(f64, f64)
     Some(((place(wall)? - place(base)?).dot(line.inward()), 2.0 * line.half_length))
 }
 
-/// What a packing has reached.
+/// Density of a packing.
 pub struct Reached {
     /// Height between the walls of the stage or of the cell, m.
     pub height: f64,
@@ -98,7 +160,7 @@ pub struct Reached {
     pub porosity: f64,
 }
 
-/// The same quantity after the last committed increment.
+/// What the packing of a compaction has reached after the last committed increment.
 pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
     let (height, length) = enclosure(world, stage)?;
     let Disks { area, mean_radius, .. } = Disks::in_world(world);
@@ -114,6 +176,30 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
     }
     let CompactTarget::Porosity(target) = stage.target else { return None };
     Disks::in_world(world).refusal(target)
+}
+
+/// Ends a compaction to [`CompactTarget::Jammed`] where even the smallest part of an increment has
+/// been proved to be impossible. This increment has committed nothing, and leaves no trace. Whether
+/// it has done so.
+pub(super) fn jams(world: &mut World, stage: &Stage) -> bool {
+    let Stage::Compact(stage @ Compact { target: CompactTarget::Jammed, .. }) = stage else {
+        return false;
+    };
+    let is_undecided = world.resource::<Attempt>().status == IncrementStatus::Undecided;
+    if !is_undecided || world.resource::<ConeSolution>().status != SolveStatus::Locked {
+        return false;
+    }
+    let Before { progress, observation, readings, .. } = world.resource::<Before>().clone();
+    world.insert_resource(ClasticProgress { done: progress.total, ..progress });
+    world.insert_resource(observation);
+    world.insert_resource(readings);
+    let porosity = reached(world, stage).map(|reached| reached.porosity);
+    if let Some(end) = world.resource_mut::<Script>().ends.last_mut() {
+        end.jammed_at = porosity;
+    }
+    world.insert_resource(IncrementDue(false));
+    world.insert_resource(IncrementUndone(true));
+    true
 }
 
 /// Sets the packing to rest without stress. The forces of the compaction come from its

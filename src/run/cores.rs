@@ -23,20 +23,17 @@ pub fn cores(world: &mut World) -> BTreeMap<BodyId, u32> {
     for member in groups.iter(world).flat_map(|group| &group.members) {
         neighbours.remove(member);
     }
+    let mut there = world.query::<&BodyId>();
+    let there: BTreeSet<BodyId> = there.iter(world).copied().collect();
+    let mut bonds = world.query::<(&Bond, &BondState)>();
+    let intact = bonds.iter(world).filter(|(_, state)| **state == BondState::Intact);
+    let intact = intact.map(|(bond, _)| (bond.a, bond.b));
     let ids = &world.resource::<KeptRows>().ids;
     // A bond that has just broken in tension has left its force there.
     let carrying = world.resource::<ContactHistory>().0.iter().filter(|m| m.p > 0.0);
-    let ordered = |a: BodyId, b: BodyId| (a.min(b), a.max(b));
-    let carrying = carrying.map(|m| ordered(ids[m.a as usize], ids[m.b as usize]));
-    let mut pairs: Vec<_> = carrying.collect();
-    let mut bonds = world.query::<(&Bond, &BondState)>();
-    let intact = bonds.iter(world).filter(|(_, state)| **state == BondState::Intact);
-    pairs.extend(intact.map(|(bond, _)| ordered(bond.a, bond.b)));
+    let carrying = carrying.map(|m| (ids[m.a as usize], ids[m.b as usize]));
     // A pair may have a bond that carries force. Contacts of particles that are gone have no body.
-    pairs.sort_unstable();
-    pairs.dedup();
-    let mut there = world.query::<&BodyId>();
-    let there: BTreeSet<BodyId> = there.iter(world).copied().collect();
+    let pairs: BTreeSet<_> = intact.chain(carrying).map(|(a, b)| (a.min(b), a.max(b))).collect();
     for (a, b) in pairs.into_iter().filter(|(a, b)| there.contains(a) && there.contains(b)) {
         for (one, other) in [(a, b), (b, a)] {
             if let Some(list) = neighbours.get_mut(&one) {

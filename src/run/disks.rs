@@ -59,9 +59,14 @@ impl Disks {
 /// Radii of the particles of a world in the order of identities, m.
 pub(super) fn radii(world: &mut World) -> Vec<f64> {
     let mut particles = world.query::<(&BodyId, &Particle)>();
-    let mut radii: Vec<_> = particles.iter(world).map(|(id, p)| (*id, p.radius)).collect();
-    radii.sort_unstable_by_key(|(id, _)| *id);
-    radii.into_iter().map(|(_, radius)| radius).collect()
+    let ordered = particles.iter(world).sort_unstable::<&BodyId>();
+    ordered.map(|(_, particle)| particle.radius).collect()
+}
+
+/// Lowest and highest of some points, each with a reach about it, m.
+pub(super) fn ends(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+    let spans = points.map(|(at, reach)| (at - reach, at + reach));
+    spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
 }
 
 /// Lower bound on the porosity of disks whose smallest radius is `ratio` times the largest: that of

@@ -85,9 +85,10 @@ impl Search {
         })
     }
 
-    /// End of the first try; `None` for the whole increment.
-    pub fn first(&self) -> Option<f64> {
-        self.expected().filter(|end| *end < self.whole - RESOLUTION)
+    /// End of a try while none has come to the value: where the measure is expected to, or that of
+    /// the whole increment.
+    pub fn ahead(&self) -> f64 {
+        self.expected().filter(|end| *end < self.whole - RESOLUTION).unwrap_or(self.whole)
     }
 
     /// Takes the last try back in favour of the one before it that did not fall short, or of the
@@ -111,9 +112,7 @@ impl Search {
             if self.high.is_none() {
                 // It was expected to land here.
                 self.short += 1;
-                let near = |next: &f64| *next < self.whole - RESOLUTION && self.short < PATIENCE;
-                let next = self.expected().filter(near);
-                return Next::Repeat(next.unwrap_or(self.whole));
+                return Next::Repeat(if self.short < PATIENCE { self.ahead() } else { self.whole });
             }
         } else {
             if self.is_last || (side == Side::At && self.is_first_at(end)) {
@@ -208,7 +207,7 @@ mod tests {
             let base = points[points.len() - 1][0];
             let whole = base.floor() + 1.0;
             let mut search = Search::new(&points, whole, value).unwrap_or_else(|| unreachable!());
-            let mut asked = search.first().unwrap_or(whole);
+            let mut asked = search.ahead();
             let (end, next) = loop {
                 tries += 1;
                 let end = [asked, f(asked)];

@@ -8,6 +8,13 @@ fn compliance(stiffness: Option<f64>) -> f64 {
     stiffness.map_or(0.0, f64::recip)
 }
 
+/// Index and density (kg/m^3) of the material of a name; of the first one without such a name.
+pub fn material_of(scene: &scene::Scene, name: Option<&String>) -> (u32, f64) {
+    let place = |name: &String| scene.materials.keys().position(|known| known == name);
+    let index = name.and_then(place).unwrap_or(0);
+    (index as u32, scene.materials.values().nth(index).map_or(0.0, |material| material.density))
+}
+
 /// The engine's law for a scene's contact.
 pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
     ContactLaw {

@@ -78,14 +78,6 @@ pub fn end(world: &mut World) {
     let progress = world.resource::<ClasticProgress>().clone();
     let reached = |from: f64, to: f64| progress.ramp(from, to).from;
     cell::end(world);
-    let mut walls = world.query::<&mut WallControl>();
-    for mut control in walls.iter_mut(world) {
-        if let WallControl::Force { from, to } | WallControl::Stress { from, to, .. } =
-            &mut *control
-        {
-            *to = reached(*from, *to);
-        }
-    }
     membranes::end(world, &progress);
     let mut particles = world.query::<&mut LoadControl>();
     for mut control in particles.iter_mut(world) {
@@ -94,16 +86,22 @@ pub fn end(world: &mut World) {
         }
     }
     let dt = world.resource::<ClasticAnalysis>().kind.dt();
-    let mut walls = world.query::<(&mut WallControl, &WallTable)>();
+    let mut walls = world.query::<(&mut WallControl, Option<&WallTable>)>();
     for (mut control, table) in walls.iter_mut(world) {
-        let value = table.next(&progress, dt)[0].from;
-        *control = match *control {
-            WallControl::Table(TableOf::Force) => WallControl::Force { from: value, to: value },
-            WallControl::Table(TableOf::Stress(length)) => {
-                WallControl::Stress { from: value, to: value, length }
+        let value = table.map(|table| table.next(&progress, dt)[0].from);
+        *control = match (*control, value) {
+            (WallControl::Force { from, to }, _) => {
+                WallControl::Force { from, to: reached(from, to) }
             }
-            WallControl::Table(TableOf::Displacement | TableOf::Rotation(_)) => WallControl::Fixed,
-            other => other,
+            (WallControl::Stress { from, to, length }, _) => {
+                WallControl::Stress { from, to: reached(from, to), length }
+            }
+            (WallControl::Table(of), Some(value)) => match of {
+                TableOf::Force => WallControl::Force { from: value, to: value },
+                TableOf::Stress(length) => WallControl::Stress { from: value, to: value, length },
+                TableOf::Displacement | TableOf::Rotation(_) => WallControl::Fixed,
+            },
+            (other, _) => other,
         };
     }
     let mut walls = world.query_filtered::<Entity, Or<(With<WallTable>, With<WallSlide>)>>();

@@ -88,10 +88,9 @@ fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<String>
 
 /// The walls that a stage adds: those that come at the outermost particles, or the others.
 fn added(world: &World, stage: &scene::Load, touching: bool) -> Vec<scene::Wall> {
-    let Some(catalogue) = world.get_resource::<WallCatalogue>() else { return Vec::new() };
     let comes =
         |wall: &&scene::Wall| stage.add_walls.contains(&wall.name) && wall.touching == touching;
-    catalogue.walls.iter().filter(comes).cloned().collect()
+    world.resource::<WallCatalogue>().walls.iter().filter(comes).cloned().collect()
 }
 
 /// A wall that comes where a particle is. The stage is refused, because the side of the particle from a
@@ -143,23 +142,15 @@ fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
 /// refused, because the wall would silently lose its load.
 fn loses_its_length(world: &mut World, stage: &scene::Load) -> Option<String> {
     let mut walls = world.query::<(&BodyId, &WallName, &WallControl)>();
-    let mut kept: Vec<_> = walls
-        .iter(world)
-        .filter_map(|(id, WallName(name), control)| match *control {
-            WallControl::Stress { length: LoadedLength::Between(a, b), .. } => {
-                Some((*id, name.clone(), [a, b]))
-            }
-            _ => None,
-        })
-        .filter(|(_, name, _)| {
-            !stage.walls.contains_key(name) && !stage.remove_walls.contains(name)
-        })
-        .collect();
-    kept.sort_unstable_by_key(|(id, ..)| *id);
-    kept.into_iter().find_map(|(_, wall, between)| {
-        let names = between.map(|wall| world.get::<WallName>(wall).map(|name| name.0.clone()));
-        let [Some(a), Some(b)] = names else { return None };
-        let gone = [&a, &b].into_iter().find(|name| stage.remove_walls.contains(name))?;
+    walls.iter(world).sort_unstable::<&BodyId>().find_map(|(_, WallName(wall), control)| {
+        let WallControl::Stress { length: LoadedLength::Between(a, b), .. } = *control else {
+            return None;
+        };
+        if stage.walls.contains_key(wall) || stage.remove_walls.contains(wall) {
+            return None;
+        }
+        let (a, b) = (&world.get::<WallName>(a)?.0, &world.get::<WallName>(b)?.0);
+        let gone = [a, b].into_iter().find(|name| stage.remove_walls.contains(name))?;
         Some(format!(
             "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`, and \
              remove_walls takes `{gone}` away; give it another control in this stage: \

@@ -4,25 +4,25 @@ use std::collections::BTreeMap;
 
 use glam::DVec2;
 
-use super::particles::{ParticleSeed, particles};
+use super::particles::particles;
 use super::random::Random;
 use super::select::{Candidate, selects};
-use crate::scene::format::{Clusters, Mineral, Scene, Select};
+use crate::scene::format::{Clusters, Mineral, Particle, Scene, Select};
 use crate::scene::specimen_file::StoredSpecimen;
 
 /// Particles of a scene in the order of identities: those of its specimen that `keep` selects, with
 /// the materials that `minerals` gives them. Both select from the uncut specimen.
 #[must_use]
-pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<ParticleSeed> {
+pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle> {
     let mut seeds = particles(&scene.specimen, stored);
     if stored.is_some_and(StoredSpecimen::is_resumed) {
         return seeds;
     }
     let only = scene.materials.keys().next().filter(|_| scene.materials.len() == 1);
-    let has = |select: &Select, index: usize, seed: &ParticleSeed| {
+    let has = |select: &Select, index: usize, seed: &Particle| {
         let of = Candidate {
             index: index as u32,
-            place: seed.position,
+            place: seed.position.into(),
             material: seed.material.as_ref().or(only).map(String::as_str),
             group: seed.group.as_deref(),
             probe: seed.probe.as_deref(),
@@ -58,11 +58,11 @@ pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<ParticleS
 /// particle belongs to the nearest point. In the order of their ranks, points take their particles
 /// as long as that brings the share of the area nearer to the requested one. The result does not
 /// depend on the order of the particles.
-fn in_clusters(seeds: &[ParticleSeed], chosen: Vec<usize>, clusters: &Clusters) -> Vec<usize> {
+fn in_clusters(seeds: &[Particle], chosen: Vec<usize>, clusters: &Clusters) -> Vec<usize> {
     let mut cells: BTreeMap<(u64, [i32; 2]), Vec<usize>> = BTreeMap::new();
     let mut points = Points { seed: clusters.seed, known: BTreeMap::new() };
     for i in chosen {
-        let (rank, cell) = points.nearest(seeds[i].position / clusters.size);
+        let (rank, cell) = points.nearest(DVec2::from(seeds[i].position) / clusters.size);
         cells.entry((rank, cell)).or_default().push(i);
     }
     // Sums in the order of sizes do not depend on that of the particles.

@@ -5,16 +5,12 @@
 //! world.
 
 mod advice;
-mod before;
 pub(crate) mod cell;
 pub mod cement;
 pub mod changes;
 pub(crate) mod compact;
 mod cores;
 pub(crate) mod disks;
-mod group_members;
-mod grow;
-mod jam;
 pub mod key_results;
 mod landing;
 mod laws;
@@ -43,7 +39,6 @@ pub(crate) mod settings;
 pub(crate) mod sieve;
 pub mod spawn;
 pub mod stages;
-mod start;
 pub mod state;
 mod stop;
 mod touching;

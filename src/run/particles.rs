@@ -4,59 +4,30 @@ use glam::DVec2;
 
 use super::random::Random;
 use super::sieve;
-use crate::scene::format::{Sizes, Specimen};
+use crate::scene::format::{Particle, Sizes, Specimen};
 use crate::scene::specimen_file::{StoredParticle, StoredSpecimen};
 
 /// Name of the group of the outermost particles of a lattice.
 pub const BOUNDARY: &str = "boundary";
 
-/// One particle to be spawned.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ParticleSeed {
-    /// Centre, m.
-    pub position: DVec2,
-    /// Radius, m.
-    pub radius: f64,
-    /// Name of the material; `None` means the only material of the scene.
-    pub material: Option<String>,
-    /// Initial velocity, m/s.
-    pub velocity: DVec2,
-    /// Initial angular velocity, rad/s.
-    pub angular_velocity: f64,
-    /// Name of the group.
-    pub group: Option<String>,
-    /// Name of the probe.
-    pub probe: Option<String>,
-}
-
-impl ParticleSeed {
-    fn still(position: DVec2, radius: f64, material: Option<&String>) -> Self {
-        Self {
-            position,
-            radius,
-            material: material.cloned(),
-            velocity: DVec2::ZERO,
-            angular_velocity: 0.0,
-            group: None,
-            probe: None,
-        }
+/// A particle at rest.
+fn at_rest(position: DVec2, radius: f64, material: Option<&String>) -> Particle {
+    Particle {
+        position: position.into(),
+        radius,
+        material: material.cloned(),
+        velocity: (0.0, 0.0),
+        angular_velocity: 0.0,
+        group: None,
+        probe: None,
     }
 }
 
 /// Particles of a specimen in the order of identities.
 #[must_use]
-pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<ParticleSeed> {
+pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Particle> {
     match specimen {
-        Specimen::Particles(list) => list
-            .iter()
-            .map(|p| ParticleSeed {
-                velocity: p.velocity.into(),
-                angular_velocity: p.angular_velocity,
-                group: p.group.clone(),
-                probe: p.probe.clone(),
-                ..ParticleSeed::still(p.position.into(), p.radius, p.material.as_ref())
-            })
-            .collect(),
+        Specimen::Particles(list) => list.clone(),
         Specimen::Lattice { columns, rows, radius, origin, material } => {
             lattice(*columns, *rows, *radius, (*origin).into(), material.as_ref())
         }
@@ -81,7 +52,7 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
                     let jitter =
                         DVec2::new(random.between(-room, room), random.between(-room, room));
                     let centre = DVec2::from(*origin) + *spacing * cell + jitter;
-                    ParticleSeed::still(centre, radius, material.as_ref())
+                    at_rest(centre, radius, material.as_ref())
                 })
                 .collect()
         }
@@ -91,13 +62,13 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
 }
 
 /// Particles of a file.
-fn rows(stored: Option<&StoredSpecimen>, default: Option<&String>) -> Vec<ParticleSeed> {
+fn rows(stored: Option<&StoredSpecimen>, default: Option<&String>) -> Vec<Particle> {
     let Some(stored) = stored else { return Vec::new() };
     let seed = |(k, row): (usize, &StoredParticle)| {
         let material = row.material.as_ref().or(default);
-        ParticleSeed {
+        Particle {
             group: stored.groups.get(k).cloned().flatten(),
-            ..ParticleSeed::still(DVec2::new(row.x, row.y), row.r, material)
+            ..at_rest(DVec2::new(row.x, row.y), row.r, material)
         }
     };
     stored.rows.iter().enumerate().map(seed).collect()
@@ -109,7 +80,7 @@ fn lattice(
     radius: f64,
     origin: DVec2,
     material: Option<&String>,
-) -> Vec<ParticleSeed> {
+) -> Vec<Particle> {
     let mut out = Vec::new();
     for row in 0..rows {
         let odd = row % 2 == 1;
@@ -118,9 +89,9 @@ fn lattice(
             let x = 2.0 * radius * f64::from(column) + if odd { radius } else { 0.0 };
             let y = 3.0_f64.sqrt() * radius * f64::from(row);
             let outer = row == 0 || row + 1 == rows || column == 0 || column + 1 == width;
-            out.push(ParticleSeed {
+            out.push(Particle {
                 group: outer.then(|| BOUNDARY.to_owned()),
-                ..ParticleSeed::still(origin + DVec2::new(x, y), radius, material)
+                ..at_rest(origin + DVec2::new(x, y), radius, material)
             });
         }
     }

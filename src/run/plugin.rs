@@ -13,18 +13,17 @@ use clastic_systems::schedule::{
 use clastic_systems::state::RegisterState;
 use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, is_due};
 
-use super::before::{Before, take_down};
-use super::group_members::{GROUP_MEMBERS, GroupMembers, are_measured, begin_increment};
-use super::grow::{are_growing, grow, keep_radii};
+use super::compact::{are_growing, grow, keep_radii};
 use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
 use super::pour::{POURED, pour};
 pub use super::provided::{Provide, Provided};
 use super::provided::{has_measures, read_measures};
+use super::resolve_measures::{GROUP_MEMBERS, GroupMembers, select_live_groups};
 use super::sanity::{self, SANITY, Sanity, UNTOUCHED, Untouched};
-use super::scale::{is_scaled, scale};
+use super::scale::scale;
 use super::script::{Script, StageEnd};
 use super::stages::{CurrentStage, begin_built_in, change_stages, end_built_in};
-use super::state::{SCRIPT, ScriptState, WALL_CATALOGUE};
+use super::state::{Before, SCRIPT, ScriptState, WALL_CATALOGUE, take_down};
 use super::stop::{end_increment, end_run};
 use super::until::{APPROACH, Approach, forget_halted, is_halted, is_on, keep_state};
 use super::walls::WallCatalogue;
@@ -92,9 +91,7 @@ impl Plugin for ScenePlugin {
             .add_systems(BeginStage, begin_built_in.in_set(StageSystems::BuiltIn))
             .add_systems(
                 AttemptIncrement,
-                (grow.run_if(are_growing), scale.run_if(is_scaled))
-                    .chain()
-                    .before(AttemptSystems::Detect),
+                (grow.run_if(are_growing), scale).chain().before(AttemptSystems::Detect),
             )
             .add_systems(
                 Increment,
@@ -114,7 +111,7 @@ impl Plugin for ScenePlugin {
                         keep_state.run_if(is_due).run_if(is_on),
                         // Before systems that read the bodies of the increment.
                         pour.run_if(is_due).run_if(resource_exists::<Poured>),
-                        begin_increment.run_if(is_due).run_if(are_measured),
+                        select_live_groups.run_if(is_due),
                         take_down.run_if(is_due),
                     )
                         .chain()

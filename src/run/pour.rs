@@ -7,10 +7,11 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyOrigin, BodyPosition, BodyVelocity, Group};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_components::poured::Poured;
 
+use super::laws::material_of;
 use super::pour_room::Room;
 use super::random::Random;
 use super::script::Script;
@@ -42,8 +43,7 @@ pub(super) fn pour(world: &mut World) {
     let progress = world.resource::<ClasticProgress>();
     let Some(Stage::Pour(stage)) = script.stage(progress.stage) else { return };
     let Stream { rate, .. } = stage.stream;
-    let analysis = world.resource::<ClasticAnalysis>();
-    let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
+    let Some(dt) = world.resource::<ClasticAnalysis>().kind.dt() else { return };
     let Some(poured) = world.get_resource::<Poured>() else { return };
     let (time, total) = (progress.time, progress.total);
     // A halved increment brings its grains at its start.
@@ -100,9 +100,7 @@ fn come(rate: Rate, poured: &Poured) -> f64 {
 pub(super) fn came(world: &World, stage: &Stage) -> Option<f64> {
     let Stage::Pour(stage) = stage else { return None };
     let poured = world.get_resource::<Poured>().filter(|poured| poured.waits_since.is_some())?;
-    let AnalysisKind::Dynamic { dt, .. } = world.resource::<ClasticAnalysis>().kind else {
-        return None;
-    };
+    let dt = world.resource::<ClasticAnalysis>().kind.dt()?;
     let (rate, total) = (stage.stream.rate, world.resource::<ClasticProgress>().total);
     Some(come(rate, poured) / rate.due(total, total, dt))
 }
@@ -141,10 +139,8 @@ impl Grain {
             chosen < below
         });
         let name = mineral.map(|(name, _)| name).or(stream.material.as_ref());
-        let at = name.and_then(|name| scene.materials.keys().position(|known| known == name));
-        let at = at.unwrap_or(0);
-        let density = scene.materials.values().nth(at).map_or(0.0, |material| material.density);
-        Self { disk: Particle::disk(radius, density, scene.thickness), material: at as u32 }
+        let (material, density) = material_of(scene, name);
+        Self { disk: Particle::disk(radius, density, scene.thickness), material }
     }
 
     /// Whether the grain is due, so that the number or mass stays within half a grain of the

@@ -1,6 +1,10 @@
-//! Measures of a scene: from names to bodies.
+//! Measures of a scene: from names to bodies. Particles of the groups on which forces are measured
+//! are selected when a stage begins, or in every increment.
+
+use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
 use clastic_components::measure::{
@@ -11,11 +15,19 @@ use clastic_components::observation::{
 };
 use clastic_components::particle::Particle;
 
-use super::group_members::{self, GroupMembers};
 use super::membranes::find_membrane;
 use super::script::Script;
+use super::select::selected;
 use super::walls::{find_pair, find_wall};
 use crate::scene::format as scene;
+
+/// Name of [`GroupMembers`] in a state.
+pub const GROUP_MEMBERS: &str = "measures.groups";
+
+/// Particles that the measures of the scene have selected when the stage began, by the name of the
+/// measure. A scene without such measures has no such resource.
+#[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct GroupMembers(pub BTreeMap<String, Vec<BodyId>>);
 
 /// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.
 pub fn resolve_measures(world: &mut World) {
@@ -39,23 +51,18 @@ pub fn resolve_measures(world: &mut World) {
 
 /// Adds the tables that the measures need, where they are not there yet.
 fn keep_what_is_needed(world: &mut World) {
-    let list = &world.resource::<Script>().scene.measures;
-    let has = |needs: fn(&scene::Quantity) -> bool| list.iter().any(|measure| needs(&measure.of));
-    let regions = has(|of| match of {
-        Quantity::Strain(StrainMeasure::Region { .. }) | Quantity::Ring { .. } => true,
-        Quantity::Grains { moved, .. } => *moved > 0.0,
-        _ => false,
-    });
-    let path = has(|of| matches!(of, Quantity::DilationAngle { .. }));
-    let cracks = has(|of| matches!(of, Quantity::Cracks { .. }));
-    if regions {
-        world.init_resource::<StrainReference>();
-    }
-    if path {
-        world.init_resource::<StrainPath>();
-    }
-    if cracks {
-        world.init_resource::<CrackSums>();
+    for scene::Measure { of, .. } in world.resource::<Script>().scene.measures.clone() {
+        match of {
+            Quantity::Strain(StrainMeasure::Region { .. }) | Quantity::Ring { .. } => {
+                world.init_resource::<StrainReference>();
+            }
+            Quantity::Grains { moved, .. } if moved > 0.0 => {
+                world.init_resource::<StrainReference>();
+            }
+            Quantity::DilationAngle { .. } => _ = world.init_resource::<StrainPath>(),
+            Quantity::Cracks { .. } => _ = world.init_resource::<CrackSums>(),
+            _ => {}
+        }
     }
 }
 
@@ -67,8 +74,7 @@ fn particle(world: &mut World, index: u32) -> Option<Entity> {
 fn strain(world: &mut World, measure: &scene::Strain) -> Option<StrainMeasure> {
     Some(match measure {
         StrainMeasure::Walls(a, b) => {
-            let [a, b] = find_pair(world, a, b)?;
-            StrainMeasure::Walls(a, b)
+            StrainMeasure::Walls(find_wall(world, a)?, find_wall(world, b)?)
         }
         StrainMeasure::Particles(a, b) => {
             StrainMeasure::Particles(particle(world, *a)?, particle(world, *b)?)
@@ -91,10 +97,7 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
         }
         Quantity::GroupForce { select, along, live } => {
             let kept = world.get_resource::<GroupMembers>().and_then(|kept| kept.0.get(name));
-            let select = match kept.cloned() {
-                Some(members) => members,
-                None => group_members::members(world, select),
-            };
+            let select = kept.cloned().unwrap_or_else(|| members(world, select));
             Quantity::GroupForce { select, along: *along, live: *live }
         }
         Quantity::Membrane { membrane, value } => {
@@ -143,8 +146,7 @@ fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
             length: match length {
                 MeasureLength::Fixed(length) => MeasureLength::Fixed(*length),
                 MeasureLength::Between(a, b) => {
-                    let [a, b] = find_pair(world, a, b)?;
-                    MeasureLength::Between(a, b)
+                    MeasureLength::Between(find_wall(world, a)?, find_wall(world, b)?)
                 }
                 MeasureLength::Membrane(name) => {
                     MeasureLength::Membrane(find_membrane(world, name)?)
@@ -159,4 +161,42 @@ fn stress(world: &mut World, measure: &scene::Stress) -> Option<StressMeasure> {
             StressMeasure::Region { component, min, max }
         }
     })
+}
+
+/// Name and selection of the measures of groups of the scene that are live, or of the others.
+fn wanted(world: &World, are_live: bool) -> Vec<(String, scene::Select)> {
+    let of = |measure: &scene::Measure| match &measure.of {
+        scene::Quantity::GroupForce { select, live, .. } if *live == are_live => {
+            Some((measure.name.clone(), select.clone()))
+        }
+        _ => None,
+    };
+    world.resource::<Script>().scene.measures.iter().filter_map(of).collect()
+}
+
+/// The particles of a selection, in the order of identities.
+fn members(world: &mut World, select: &scene::Select) -> Vec<BodyId> {
+    selected(world, select).into_iter().map(|(id, _)| id).collect()
+}
+
+/// Selects the particles of the groups for the stage that begins.
+pub(super) fn select_groups(world: &mut World) {
+    let fixed = wanted(world, false).into_iter();
+    let all: BTreeMap<_, _> = fixed.map(|(name, select)| (name, members(world, &select))).collect();
+    if !all.is_empty() {
+        world.insert_resource(GroupMembers(all));
+    }
+}
+
+/// Selects the particles of the live groups for the increment that begins. Exclusive, because a
+/// selection reads every particle of the world.
+pub(super) fn select_live_groups(world: &mut World) {
+    for (name, select) in wanted(world, true) {
+        let now = members(world, &select);
+        let mut named = world.resource_mut::<NamedMeasures>();
+        let found = named.list.iter_mut().find(|(measure, _)| *measure == name);
+        if let Some((_, Some(Quantity::GroupForce { select, .. }))) = found {
+            *select = now;
+        }
+    }
 }

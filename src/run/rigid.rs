@@ -19,32 +19,22 @@ use super::select::selected;
 use super::walls::find_walls;
 use crate::scene::format as scene;
 
-/// The rigid group with the given name, if it exists.
-pub fn find_group(world: &mut World, name: &str) -> Option<Entity> {
-    let mut groups = world.query::<(Entity, &RigidGroup)>();
-    groups.iter(world).find(|(_, group)| group.name == name).map(|(entity, _)| entity)
-}
-
 /// Releases, makes and controls the rigid groups of a stage.
 pub fn control_groups(world: &mut World, stage: &scene::Load, analysis: &ClasticAnalysis) {
-    for name in &stage.release {
-        if let Some(group) = find_group(world, name) {
-            world.despawn(group);
-        }
+    let mut groups = world.query::<(&BodyId, Entity, &RigidGroup)>();
+    let released = groups.iter(world).filter(|(.., group)| stage.release.contains(&group.name));
+    for group in released.map(|(_, group, _)| group).collect::<Vec<_>>() {
+        world.despawn(group);
     }
     for (name, control) in &stage.rigid {
         if control.makes() {
             make(world, name, control);
         }
     }
-    let mut groups: Vec<(BodyId, Entity, String)> = world
-        .query::<(&BodyId, Entity, &RigidGroup)>()
-        .iter(world)
-        .map(|(id, entity, group)| (*id, entity, group.name.clone()))
-        .collect();
-    groups.sort_unstable_by_key(|(id, ..)| *id);
-    for (_, entity, name) in groups {
-        set_control(world, entity, stage.rigid.get(&name), analysis);
+    let ordered = groups.iter(world).sort_unstable::<&BodyId>();
+    let controls: Vec<_> = ordered.map(|(_, e, of)| (e, stage.rigid.get(&of.name))).collect();
+    for (group, control) in controls {
+        set_control(world, group, control, analysis);
     }
 }
 
@@ -153,12 +143,8 @@ fn chosen(world: &mut World, control: &scene::RigidControl) -> Vec<(BodyId, Enti
 
 /// The walls of these names that are there: every piece of a polyline.
 fn walls_of(world: &mut World, names: &[String]) -> Vec<(BodyId, Entity)> {
-    let mut found = Vec::new();
-    for name in names {
-        let pieces = find_walls(world, name);
-        found.extend(pieces.into_iter().filter_map(|e| Some((*world.get::<BodyId>(e)?, e))));
-    }
-    found
+    let walls: Vec<_> = names.iter().flat_map(|name| find_walls(world, name)).collect();
+    walls.into_iter().filter_map(|wall| Some((*world.get::<BodyId>(wall)?, wall))).collect()
 }
 
 /// Why the rigid groups of a stage cannot be made or controlled; `None` if they can.
@@ -169,7 +155,6 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .filter(|group| !stage.release.contains(&group.name))
         .flat_map(|group| group.members.iter().map(|id| (*id, group.name.clone())))
         .collect();
-    let because = |name: &str, what: String| Some(format!("rigid.{name} {what}"));
     // Groups of a saved state are known here alone.
     let others = stage.remove_walls.iter().chain(stage.walls.keys());
     for name in others {
@@ -183,25 +168,25 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
     }
     for (name, control) in stage.rigid.iter().filter(|(_, control)| control.makes()) {
         let walls = walls_of(world, &control.walls).into_iter().map(|(id, _)| id);
-        if let Some((id, other)) = walls.clone().find_map(|id| taken.iter().find(|t| t.0 == id)) {
-            let what = format!(
-                "has a wall (body {}) of the rigid group `{other}`; release `{other}` in a stage before",
-                id.0
-            );
-            return because(name, what);
+        let of_another = walls.clone().find_map(|id| taken.iter().find(|taken| taken.0 == id));
+        if let Some((BodyId(id), other)) = of_another {
+            return Some(format!(
+                "rigid.{name} has a wall (body {id}) of the rigid group `{other}`; release \
+                 `{other}` in a stage before"
+            ));
         }
         let chosen = chosen(world, control).into_iter();
         let mut ids: Vec<BodyId> = chosen.map(|(id, _)| id).collect();
         if ids.is_empty() && control.select.is_some() {
-            return because(name, "selects no particle; select what is to be rigid".to_owned());
+            return Some(format!("rigid.{name} selects no particle; select what is to be rigid"));
         }
-        if let Some((id, other)) = taken.iter().find(|(id, _)| ids.binary_search(id).is_ok()) {
-            let what = format!(
-                "selects particle {}, which is a member of the rigid group `{other}`; a particle \
-                 belongs to one group: select others, or release `{other}` in a stage before",
-                id.0
-            );
-            return because(name, what);
+        let of_another = taken.iter().find(|(id, _)| ids.binary_search(id).is_ok());
+        if let Some((BodyId(id), other)) = of_another {
+            return Some(format!(
+                "rigid.{name} selects particle {id}, which is a member of the rigid group \
+                 `{other}`; a particle belongs to one group: select others, or release `{other}` \
+                 in a stage before"
+            ));
         }
         ids.extend(walls);
         taken.extend(ids.into_iter().map(|id| (id, name.clone())));
@@ -217,19 +202,16 @@ fn moving_pivot(world: &mut World, stage: &scene::Load) -> Option<String> {
         return None;
     }
     let mut groups = world.query::<(&RigidGroup, &BodyDrives)>();
-    let kept = groups
-        .iter(world)
-        .filter(|(group, _)| group.has_pivot && !stage.release.contains(&group.name));
-    let free = |drives: &BodyDrives| drives.0[..2].contains(&BodyDrive::Free);
+    let stays = |group: &RigidGroup| group.has_pivot && !stage.release.contains(&group.name);
     let is_held = |control: &scene::RigidControl| {
         [control.x, control.y].iter().all(|motion| *motion == scene::Motion::Held)
     };
-    let kept = kept.map(|(group, drives)| match stage.rigid.get(&group.name) {
-        Some(control) => (group.name.clone(), is_held(control)),
-        None => (group.name.clone(), !free(drives)),
+    let kept = groups.iter(world).filter(|(group, _)| stays(group)).map(|(group, drives)| {
+        let stood = || !drives.0[..2].contains(&BodyDrive::Free);
+        (&group.name, stage.rigid.get(&group.name).map_or_else(stood, is_held))
     });
     let made = stage.rigid.iter().filter(|(_, control)| control.about.is_some());
-    let made = made.map(|(name, control)| (name.clone(), is_held(control)));
+    let made = made.map(|(name, control)| (name, is_held(control)));
     let (name, _) = kept.chain(made).find(|(_, is_held)| !is_held)?;
     Some(format!(
         "the pivot of the rigid group `{name}` moves in a dynamic stage; hold its x and y, or make \

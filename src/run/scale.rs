@@ -6,26 +6,19 @@ use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::wall::WallTable;
 
 use super::script::Script;
-use crate::scene::format::{Load, Scale, Stage};
+use crate::scene::format::Stage;
 
-/// Run condition: the stage has factors on gravity or strength.
-pub(super) fn is_scaled(script: Option<Res<Script>>, progress: Res<ClasticProgress>) -> bool {
-    script.is_some_and(|script| scaled(&script, &progress).is_some())
-}
-
-fn scaled<'a>(script: &'a Script, progress: &ClasticProgress) -> Option<&'a Load> {
-    let load = script.stage(progress.stage).and_then(Stage::load)?;
-    let Scale { gravity, strength, .. } = &load.scale;
-    (gravity.is_some() || strength.is_some()).then_some(load)
-}
-
-/// Sets gravity and strength to those at the end of the attempt.
+/// Sets gravity and strength to those at the end of the attempt, in a stage with factors on them.
 pub(super) fn scale(
-    script: Res<Script>,
+    script: Option<Res<Script>>,
     progress: Res<ClasticProgress>,
     mut analysis: ResMut<ClasticAnalysis>,
 ) {
-    let Some(load) = scaled(&script, &progress) else { return };
+    let Some(script) = script else { return };
+    let Some(load) = script.stage(progress.stage).and_then(Stage::load) else { return };
+    if load.scale.gravity.is_none() && load.scale.strength.is_none() {
+        return;
+    }
     let dt = analysis.kind.dt();
     let factor = |points: &Option<Vec<(f64, f64)>>| {
         let Some(points) = points else { return 1.0 };

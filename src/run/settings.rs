@@ -25,7 +25,14 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
     world.insert_resource(scene.rupture);
     world.insert_resource(scene.acceptance);
     world.insert_resource(Solver(match scene.solver {
-        scene::Solver::Condensed => Box::new(condensed(scene.acceptance.residual)),
+        scene::Solver::Condensed => {
+            // A residual below the default needs a solver that aims lower; a larger one is stated
+            // by the program where it may be used.
+            let mut settings = CondensedSettings::default();
+            let wanted = settings.safety * scene.acceptance.residual;
+            settings.tolerance = settings.tolerance.min(wanted);
+            Box::new(Condensed::new(settings))
+        }
         scene::Solver::Clarabel { tolerance, max_iterations } => {
             Box::new(Clarabel { tolerance, max_iterations, ..Clarabel::default() })
         }
@@ -42,14 +49,6 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
             })
             .collect(),
     ));
-}
-
-/// The condensed solver for increments of this residual. A residual below the default needs a solver
-/// that aims lower; a larger one is stated by the program where it may be used.
-fn condensed(residual: f64) -> Condensed {
-    let mut settings = CondensedSettings::default();
-    settings.tolerance = settings.tolerance.min(settings.safety * residual);
-    Condensed::new(settings)
 }
 
 /// Analysis of a stage.

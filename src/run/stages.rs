@@ -8,11 +8,10 @@ use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::IncrementDue;
 
 use super::plugin::{BeginStage, EndStage, Provided};
-use super::resolve_measures::resolve_measures;
+use super::resolve_measures::{resolve_measures, select_groups};
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::{
-    cement, compact, group_members, key_results, load, load_refusals, membranes, pour, remove,
-    save, until,
+    cement, compact, key_results, load, load_refusals, membranes, pour, remove, save, until,
 };
 use crate::scene::format::Stage;
 
@@ -63,8 +62,7 @@ pub fn change_stages(world: &mut World) {
 /// Why a stage cannot begin.
 fn refusal(world: &mut World, stage: &Stage) -> Option<String> {
     match stage {
-        Stage::Load(load) => load_refusals::refusal(world, load),
-        Stage::Pour(pour) => load_refusals::refusal(world, &pour.load),
+        Stage::Load(_) | Stage::Pour(_) => load_refusals::refusal(world, stage.load()?),
         Stage::Remove(stage) => remove::refusal(world, stage),
         Stage::Compact(stage) => compact::refusal(world, stage),
         Stage::Save(_) => save::refusal(world),
@@ -89,7 +87,7 @@ fn begin(world: &mut World, stage: Stage) {
     world.remove_resource::<StepControl>();
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
-    group_members::begin_stage(world);
+    select_groups(world);
     resolve_measures(world);
     if is_reference {
         membranes::renew(world);

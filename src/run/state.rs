@@ -6,20 +6,20 @@ use clastic_components::body::{BodyId, LoadControl};
 use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::KeptRows;
 use clastic_components::increment::ClasticProgress;
-use clastic_components::measure::NamedMeasures;
+use clastic_components::measure::{NamedMeasures, Readings};
+use clastic_components::observation::Observation;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::material_names::{MATERIALS, MaterialNames};
 use clastic_systems::measures::{NAMED, NamedState};
 use clastic_systems::membranes::{MEMBRANES, MembraneStates, renew_shapes};
 use clastic_systems::record::OBSERVATION;
 use clastic_systems::schedule::PROGRESS;
-use clastic_systems::solve_program::SOLVER_MEMORY;
+use clastic_systems::solve_program::{SOLVER_MEMORY, Solver};
 use clastic_systems::state::expect_empty;
 pub use clastic_systems::state::{StateError, StateOf, WorldState};
 use clastic_systems::stepping::EndOfRun;
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
-use super::before::Before;
 use super::resolve_measures::resolve_measures;
 pub use super::script::ScriptState;
 use super::script::{Outcome, Script};
@@ -62,6 +62,42 @@ impl StateOf for ScriptState {
 
 fn undecided(script: &Script) -> bool {
     matches!(script.outcome, Some(Outcome::Undecided { .. }))
+}
+
+/// Copy of the state that even an undecided increment changes, taken before the increment. The
+/// state of an undecided run is that before the increment.
+#[derive(Resource, Clone, Debug, Default)]
+pub struct Before {
+    /// Progress of the run.
+    pub progress: ClasticProgress,
+    /// Record of the previous increment.
+    pub observation: Observation,
+    /// Readings of the named measures after the previous increment.
+    pub readings: Readings,
+    /// Memory of the solver.
+    pub solver: Vec<[f64; 3]>,
+    /// The bodies of its rows.
+    pub rows: Vec<BodyId>,
+}
+
+/// Copies the state.
+pub fn take_down(
+    progress: Res<ClasticProgress>,
+    observation: Res<Observation>,
+    readings: Res<Readings>,
+    solver: Option<Res<Solver>>,
+    kept: Res<KeptRows>,
+    mut before: ResMut<Before>,
+) {
+    before.progress.clone_from(&progress);
+    before.observation.clone_from(&observation);
+    before.readings.clone_from(&readings);
+    before.rows.clone_from(&kept.ids);
+    // The buffer keeps its size between increments, so nothing is allocated.
+    before.solver.clear();
+    if let Some(solver) = solver {
+        before.solver.extend_from_slice(solver.0.memory());
+    }
 }
 
 /// State of a world that runs a scene, between two increments. After an undecided increment, of

@@ -16,7 +16,7 @@ use clastic_systems::stepping::{EndOfRun, StoppedBy};
 use super::advice::with_advice;
 use super::measures::{error_of, reading};
 use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script};
-use super::{jam, load, until};
+use super::{compact, load, until};
 use crate::scene::format::{Stage, Stop};
 
 impl Collapse {
@@ -46,14 +46,10 @@ pub fn end_increment(world: &mut World) {
     let index = world.resource::<ClasticProgress>().stage;
     let Some(stage) = world.resource::<Script>().stage(index).cloned() else { return };
     let stage = &stage;
-    if until::repeats(world, stage) || jam::ends(world, stage) {
+    if until::repeats(world, stage) || compact::jams(world, stage) {
         return;
     }
-    let (status, complaint) = {
-        let attempt = world.resource::<Attempt>();
-        (attempt.status, attempt.complaint.clone())
-    };
-    let increment = world.resource::<ClasticProgress>().increment;
+    let status = world.resource::<Attempt>().status;
     let (mut held, mut passed) = (None, None);
     let ended_by = match status {
         IncrementStatus::Solved | IncrementStatus::Capped => {
@@ -83,7 +79,9 @@ pub fn end_increment(world: &mut World) {
             Some(EndedBy::Collapse)
         }
         IncrementStatus::Undecided => {
-            let message = with_advice(world, stage, &complaint);
+            let increment = world.resource::<ClasticProgress>().increment;
+            let complaint = world.resource::<Attempt>().complaint.clone();
+            let message = with_advice(world, stage, complaint);
             world.resource_mut::<Script>().outcome =
                 Some(Outcome::Undecided { increment, message });
             Some(EndedBy::Undecided)

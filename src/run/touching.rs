@@ -8,6 +8,7 @@ use clastic_components::body::BodyPosition;
 use clastic_components::particle::Particle;
 use clastic_components::wall_shape::WallShape;
 
+use super::disks::ends;
 use super::wall_pieces::{Piece, moved, pieces};
 use crate::scene::format as scene;
 
@@ -53,12 +54,6 @@ fn travel(wall: &scene::Wall, disks: &[(DVec2, f64)]) -> Option<DVec2> {
         travel += gap;
     }
     None
-}
-
-/// Lowest and highest of some points, each with a reach about it, m.
-fn ends(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
-    let spans = points.map(|(at, reach)| (at - reach, at + reach));
-    spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
 }
 
 /// Maximum distance of a part of the piece from its position, m. The drawn part of a line touches

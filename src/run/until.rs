@@ -7,8 +7,8 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::analysis::{AnalysisKind, ClasticAnalysis};
-use clastic_components::attempt::{Attempt, IncrementStatus};
+use clastic_components::analysis::ClasticAnalysis;
+use clastic_components::attempt::Attempt;
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
 use clastic_systems::state::{StateOf, WorldState};
@@ -105,8 +105,7 @@ pub(super) fn keep_state(world: &mut World) {
     }
     // As the attempts do it.
     let whole = done + (2.0 * tried).min(1.0 - done.fract());
-    let is_dynamic =
-        matches!(world.resource::<ClasticAnalysis>().kind, AnalysisKind::Dynamic { .. });
+    let is_dynamic = world.resource::<ClasticAnalysis>().kind.dt().is_some();
     // A static stage reads the equilibrium with which it begins. A dynamic one has none: it reads
     // what the state keeps. Both follow from a saved state, so that a run in two pieces begins the
     // stage as a run in one does.
@@ -125,10 +124,8 @@ pub(super) fn keep_state(world: &mut World) {
         }
     };
     let stop = world.resource::<Script>().stop;
-    let asked = match &search {
-        Some(search) => search.first().unwrap_or(whole),
-        None => done + if is_dynamic { READING } else { RESOLUTION },
-    };
+    let reading = if is_dynamic { READING } else { RESOLUTION };
+    let asked = search.as_ref().map_or(done + reading, Search::ahead);
     world.resource_mut::<ClasticProgress>().tried = 0.5 * (asked - done);
     world.insert_resource(Undoable { state, tried, stop, search, asked });
 }
@@ -145,14 +142,11 @@ pub(super) fn repeats(world: &mut World, stage: &Stage) -> bool {
     let Some(search) = &mut undoable.search else {
         return begin_anew(world, &undoable, name, value);
     };
-    let next = match world.resource::<Attempt>().status {
-        IncrementStatus::Solved | IncrementStatus::Capped => {
-            let Some(made) = tried(world, name, value, undoable.asked) else { return false };
-            search.see(made)
-        }
-        IncrementStatus::Undecided | IncrementStatus::Collapsed => {
-            search.without_last().map_or(Next::GoOn, Next::Repeat)
-        }
+    let next = if world.resource::<Attempt>().status.is_committed() {
+        let Some(made) = tried(world, name, value, undoable.asked) else { return false };
+        search.see(made)
+    } else {
+        search.without_last().map_or(Next::GoOn, Next::Repeat)
     };
     let Next::Repeat(end) = next else { return false };
     if !undo(world, &undoable) {
@@ -187,10 +181,7 @@ pub(super) fn forget_halted(
 
 /// Undoes the increment that has read the measure at the start of the stage.
 fn begin_anew(world: &mut World, undoable: &Undoable, name: &str, value: f64) -> bool {
-    let is_solved = matches!(
-        world.resource::<Attempt>().status,
-        IncrementStatus::Solved | IncrementStatus::Capped
-    );
+    let is_solved = world.resource::<Attempt>().status.is_committed();
     let start = reading(world, name).filter(|_| is_solved);
     let error = error_of(world, name);
     if undo(world, undoable) {

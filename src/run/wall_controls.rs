@@ -1,7 +1,6 @@
 //! Controls of walls in a loading stage.
 
 use bevy_ecs::prelude::*;
-use bevy_ecs::system::RunSystemOnce;
 use glam::DVec2;
 
 use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition, LastMotion};
@@ -19,30 +18,11 @@ use crate::scene::format::{LidLoad, Load, Table, WallControl as Wanted};
 /// wall, or from the reaction of a wall that was held or driven.
 pub(super) fn set(world: &mut World, stage: &Load) {
     let mut query = world.query_filtered::<(Entity, &BodyId, &WallName), With<Wall>>();
-    let mut walls: Vec<_> =
-        query.iter(world).map(|(e, id, name)| (*id, e, name.0.clone())).collect();
-    walls.sort_unstable_by_key(|(id, ..)| *id);
-    let lengths: Vec<_> = walls
-        .iter()
-        .map(|(_, wall, name)| stress_length(world, *wall, stage.walls.get(name)))
-        .collect();
-    for ((_, wall, name), (length, metres)) in walls.into_iter().zip(lengths) {
+    let ordered = query.iter(world).sort_unstable::<&BodyId>();
+    let walls: Vec<_> = ordered.map(|(wall, _, name)| (wall, stage.walls.get(&name.0))).collect();
+    for (wall, wanted) in walls {
+        let (length, metres) = stress_length(world, wall, wanted);
         let before = world.get::<WallControl>(wall).copied().unwrap_or_default();
-        let force = |to: f64| {
-            let from = match before {
-                WallControl::Force { to, .. } => to,
-                _ => reaction(world, wall),
-            };
-            WallControl::Force { from, to }
-        };
-        let stress = |to: f64| {
-            let from = match before {
-                WallControl::Stress { to, .. } => to,
-                _ => reaction(world, wall) / metres,
-            };
-            WallControl::Stress { from, to, length }
-        };
-        let wanted = stage.walls.get(&name);
         let control = match wanted {
             None => match before {
                 WallControl::Force { to, .. } => WallControl::Force { from: to, to },
@@ -52,11 +32,23 @@ pub(super) fn set(world: &mut World, stage: &Load) {
                 WallControl::Custom => WallControl::Custom,
                 _ => WallControl::Fixed,
             },
-            Some(Wanted::Force(to) | Wanted::Lid { load: LidLoad::Force(to), .. }) => force(*to),
+            Some(&(Wanted::Force(to) | Wanted::Lid { load: LidLoad::Force(to), .. })) => {
+                let from = match before {
+                    WallControl::Force { to, .. } => to,
+                    _ => reaction(world, wall),
+                };
+                WallControl::Force { from, to }
+            }
             Some(
-                Wanted::Stress { stress: to, .. }
-                | Wanted::Lid { load: LidLoad::Stress { stress: to, .. }, .. },
-            ) => stress(*to),
+                &(Wanted::Stress { stress: to, .. }
+                | Wanted::Lid { load: LidLoad::Stress { stress: to, .. }, .. }),
+            ) => {
+                let from = match before {
+                    WallControl::Stress { to, .. } => to,
+                    _ => reaction(world, wall) / metres,
+                };
+                WallControl::Stress { from, to, length }
+            }
             Some(Wanted::Follow(table)) => WallControl::Table(match table {
                 Table::Displacement(_) => TableOf::Displacement,
                 Table::Force(_) => TableOf::Force,
@@ -115,9 +107,8 @@ fn stress_length(world: &mut World, wall: Entity, control: Option<&Wanted>) -> (
         return (LoadedLength::Segment, 1.0);
     };
     let length = length_between(world, between);
-    let measure =
-        move |geometry: Query<(&Wall, &BodyPosition)>| loaded_length(wall, length, &geometry);
-    let metres = world.run_system_once(measure).unwrap_or(1.0);
+    let mut geometry = world.query::<(&Wall, &BodyPosition)>();
+    let metres = loaded_length(wall, length, &geometry.query(world));
     (length, metres * world.resource::<ClasticAnalysis>().thickness)
 }
 

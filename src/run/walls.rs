@@ -55,12 +55,9 @@ pub fn spawn_wall(world: &mut World, name: &str) {
     let catalogue = world.resource::<WallCatalogue>();
     let Some(index) = catalogue.walls.iter().position(|w| w.name == name) else { return };
     let first = catalogue.first_of(index);
-    let mut wall = catalogue.walls[index].clone();
-    if wall.touching
-        && let Some(placed) = placed(world, &wall)
-    {
-        wall = placed;
-    }
+    let drawn = catalogue.walls[index].clone();
+    let placed = if drawn.touching { placed(world, &drawn) } else { None };
+    let wall = placed.unwrap_or(drawn);
     for (piece, id) in pieces(&wall).into_iter().zip(first..) {
         let mut entity = world.spawn((
             BodyId(id),
@@ -87,10 +84,8 @@ pub fn find_wall(world: &mut World, name: &str) -> Option<Entity> {
 /// The pieces of the wall with the given name that are there, by identity.
 pub fn find_walls(world: &mut World, name: &str) -> Vec<Entity> {
     let mut walls = world.query::<(Entity, &BodyId, &WallName)>();
-    let named = walls.iter(world).filter(|(.., n)| n.0 == name);
-    let mut found: Vec<_> = named.map(|(e, id, _)| (*id, e)).collect();
-    found.sort_unstable_by_key(|(id, _)| *id);
-    found.into_iter().map(|(_, e)| e).collect()
+    let ordered = walls.iter(world).sort_unstable::<&BodyId>();
+    ordered.filter(|(.., of)| of.0 == name).map(|(wall, ..)| wall).collect()
 }
 
 /// Two walls by name, if both are there.

@@ -119,18 +119,18 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     }
 
     let mut tables = Tables::default();
-    tables.put("format", Array::word(&format!("{FORMAT} {VERSION}")));
-    tables.put("increment", Array::count(progress.increment));
-    tables.put("time_s", Array::value(progress.time));
-    tables.put("stage", Array::word(&progress.stage_name));
-    tables.put("thickness_m", Array::value(thickness));
-    tables.put("materials.name", Array::text(materials.iter().map(|(name, _)| name.clone())));
+    tables.put("format", Array::single(format!("{FORMAT} {VERSION}")));
+    tables.put("increment", Array::single(progress.increment));
+    tables.put("time_s", Array::single(progress.time));
+    tables.put("stage", Array::single(progress.stage_name));
+    tables.put("thickness_m", Array::single(thickness));
+    tables.put("materials.name", Array::column(materials.iter().map(|(name, _)| name.clone())));
     // Gathering the tables does not change the run.
     let _ = world.run_system_cached(gather_bodies);
     let _ = world.run_system_cached_with(arrays::write, &mut tables);
     let saved = SavedState { world: state, materials, thickness, walls, first_wall, next };
     let bytes = postcard::to_stdvec(&saved).map_err(|error| encoding(&error))?;
-    tables.put(STATE, Array::u8(bytes));
+    tables.put(STATE, Array::column(bytes));
     Ok(tables)
 }
 

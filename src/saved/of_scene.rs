@@ -51,9 +51,9 @@ impl SavedState {
     /// # Errors
     /// If the world does not have them.
     pub fn groups_with_walls(&self) -> Result<Vec<String>, StateError> {
-        let walls: BTreeMap<BodyId, WallLine> =
-            self.world.components("wall")?.into_iter().collect();
-        self.groups_with(|group| group.members.iter().any(|id| walls.contains_key(id)))
+        let walls = self.world.components::<BodyId, WallLine>("wall")?;
+        let is_wall = |id: &BodyId| walls.binary_search_by_key(id, |(id, _)| *id).is_ok();
+        self.groups_with(|group| group.members.iter().any(is_wall))
     }
 
     fn groups_with(&self, has: impl Fn(&RigidGroup) -> bool) -> Result<Vec<String>, StateError> {

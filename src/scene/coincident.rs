@@ -2,13 +2,16 @@
 
 use std::collections::HashMap;
 
+use super::diagnostic::MAX_SHOWN;
+
 /// Centres closer than this fraction of the smaller radius count as one position.
 const ONE_PLACE: f64 = 1e-9;
 
-/// The first pairs of disks (x, y, r) at one position: the earlier disk for each later one.
+/// The first `MAX_SHOWN` pairs of disks (x, y, r) at one position: the earlier disk for each later
+/// one.
 ///
 /// Larger overlaps are permitted, because an elastic specimen may start compressed.
-pub(super) fn coincident(disks: &[(f64, f64, f64)], most: usize) -> Vec<(usize, usize)> {
+pub(super) fn coincident(disks: &[(f64, f64, f64)]) -> Vec<(usize, usize)> {
     let usable = |(x, y, r): (f64, f64, f64)| x.is_finite() && y.is_finite() && r.is_finite();
     let largest = disks.iter().filter(|disk| usable(**disk)).fold(0.0, |r, disk| disk.2.max(r));
     let reach = ONE_PLACE * largest;
@@ -30,7 +33,7 @@ pub(super) fn coincident(disks: &[(f64, f64, f64)], most: usize) -> Vec<(usize, 
             .min();
         if let Some(earlier) = earlier {
             pairs.push((earlier, i));
-            if pairs.len() == most {
+            if pairs.len() == MAX_SHOWN {
                 break;
             }
         } else {

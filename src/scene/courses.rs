@@ -12,7 +12,7 @@ use super::spans::{join, unwrapped};
 use super::suggest;
 use super::tree::{Node, Shape};
 use super::units;
-use super::values::{a_number, help, is_name};
+use super::values::{Values, a_number, help, stands};
 
 /// Maximum number of points that expressions stand for in a scene. A slip in `increments` must not
 /// fill the memory.
@@ -20,9 +20,7 @@ pub(super) const MOST: f64 = 1e6;
 
 /// A table that is given by an expression, or by two in a displacement.
 pub(super) struct Course<'n, 't> {
-    /// Path of the table.
     pub path: String,
-    /// The expressions.
     pub parts: Vec<Part<'n, 't>>,
     /// Unit of the values.
     pub unit: &'static str,
@@ -47,18 +45,6 @@ struct Stage<'n, 't> {
     dt: Option<&'n Node<'t>>,
     /// Numbers of repetitions of the stages around it.
     times: Vec<&'n Node<'t>>,
-}
-
-/// A table with points in place of its expressions.
-pub(super) struct Sampled<'t> {
-    /// The list of points.
-    pub points: Node<'t>,
-    /// Number of increments.
-    pub increments: f64,
-    /// Mistakes in the expressions.
-    pub findings: Vec<Finding>,
-    /// Whether the points are made up, because of these or of a name without a number.
-    pub is_made_up: bool,
 }
 
 /// Finds the tables that are given by expressions.
@@ -93,7 +79,7 @@ fn see<'n, 't>(
                 let path = if nodes.len() == 1 { path.clone() } else { format!("{path}[{j}]") };
                 Part { node, path, expression: parse(node.literal).ok() }
             };
-            if nodes.iter().all(|node| stands(node)) {
+            if nodes.iter().all(|node| node.shape == Shape::Number || stands(node)) {
                 let parts = nodes.iter().enumerate().map(part).collect();
                 courses.push(Course { path, parts, unit, stage: of.clone() });
             }
@@ -126,29 +112,23 @@ fn see<'n, 't>(
     }
 }
 
-/// Whether a value can be an expression.
-fn stands(node: &Node) -> bool {
-    match node.shape {
-        Shape::Number | Shape::Expression => true,
-        Shape::Word => node.literal == "pi" || is_name(node.literal),
-        _ => false,
-    }
-}
-
 impl<'t> Course<'_, 't> {
     /// Names that have a value in every increment.
     pub fn names(&self) -> &'static [&'static str] {
         if self.stage.dt.is_some() { &["s", "t"] } else { &["s"] }
     }
 
-    /// Puts points in place of the expressions. `of` has the values of `names`, and `left` is the
-    /// number of points that the scene may still have.
+    /// The list of points in place of the expressions, made up if they have mistakes or a name has
+    /// no number. `of` has the values of `names`, and `left` is the number of points that the scene
+    /// may still have.
     pub fn sample(
         &self,
         names: &[String],
         of: &impl Fn(&str) -> Option<f64>,
         left: &mut f64,
-    ) -> Sampled<'t> {
+        findings: &mut Vec<Finding>,
+        values: &mut Values,
+    ) -> Node<'t> {
         let number = |node: &Node| parse(node.literal).ok()?.value(of);
         // Wrong numbers of increments and time steps have messages of their own.
         let increments = self.stage.increments.and_then(number);
@@ -157,7 +137,7 @@ impl<'t> Course<'_, 't> {
         let times = self.stage.times.iter().map(|node| number(node).unwrap_or(1.0));
         *left -= (increments + 1.0) * times.product::<f64>();
         let mut points: Vec<Vec<f64>> = Vec::new();
-        let mut findings = Vec::new();
+        let before = findings.len();
         if *left < 0.0 {
             let message = format!("expressions stand for more than {MOST} points");
             let help = "give fewer increments or repetitions, or a table of points";
@@ -167,7 +147,7 @@ impl<'t> Course<'_, 't> {
             let finding = self.mistake(part, names);
             findings.extend(finding.map(|(message, help)| Finding::new(&part.path, message, help)));
         }
-        let mut is_made_up = !findings.is_empty();
+        let mut is_made_up = findings.len() > before;
         let mut k = 0.0;
         while k <= increments && !is_made_up {
             let (s, t) = (k / increments, dt.map(|dt| k * dt));
@@ -192,6 +172,7 @@ impl<'t> Course<'_, 't> {
             k += 1.0;
         }
         if is_made_up {
+            values.made_up.push(self.path.clone());
             points = [0.0, 1.0].map(|x| [vec![x], vec![0.0; self.parts.len()]].concat()).to_vec();
         }
         let Part { node: first, .. } = &self.parts[0];
@@ -200,8 +181,8 @@ impl<'t> Course<'_, 't> {
             let numbers = nodes().zip(point).map(|(node, x)| node.as_number(&format!("{x:?}")));
             first.as_group(Shape::Tuple, numbers)
         });
-        let points = first.as_group(Shape::List, points);
-        Sampled { points, increments, findings, is_made_up }
+        values.tables.push((self.path.clone(), increments));
+        first.as_group(Shape::List, points)
     }
 
     /// What is wrong with an expression, apart from its unit and its values, and the remedy.

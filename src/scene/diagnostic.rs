@@ -34,6 +34,11 @@ impl Finding {
         let help = Some(help.into()).filter(|help| !help.is_empty());
         Self { path: path.into(), message: message.into(), help, at_key: false }
     }
+
+    /// The same about the key of the field.
+    pub(super) fn at_key(self) -> Self {
+        Self { at_key: true, ..self }
+    }
 }
 
 impl fmt::Display for Finding {
@@ -126,13 +131,11 @@ pub(super) fn place(
             rest.map_or(path.clone(), |rest| format!("{written}{rest}"))
         })
     };
-    findings
-        .into_iter()
-        .map(|finding| {
-            let at = nearest(root, &written(&finding.path), finding.at_key);
-            Placed { at, finding }
-        })
-        .collect()
+    let placed = findings.into_iter().map(|finding| Placed {
+        at: nearest(root, &written(&finding.path), finding.at_key),
+        finding,
+    });
+    placed.collect()
 }
 
 /// Whether a path equals another path or is a part of it.

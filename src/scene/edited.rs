@@ -8,7 +8,7 @@ pub struct EditedText {
     /// The text with settings applied.
     pub text: String,
     file: String,
-    pieces: Vec<Piece>,
+    edits: Vec<Edit>,
 }
 
 /// Source of a byte.
@@ -20,30 +20,19 @@ pub struct Source<'a> {
     pub set: Option<&'a str>,
 }
 
-/// A stretch of the text from one source.
+/// A replacement in the text as it was after those before.
 #[derive(Clone, Debug)]
-struct Piece {
+struct Edit {
+    span: Span,
+    /// Length of the new text.
     length: usize,
-    /// Byte of the file where the piece begins.
-    at: usize,
-    /// The setting that inserted it. All of it then comes from one byte of the file.
-    set: Option<String>,
-}
-
-impl Piece {
-    /// Splits the piece.
-    fn split(self, length: usize) -> [Self; 2] {
-        let at = self.at + if self.set.is_some() { 0 } else { length };
-        let rest = Self { length: self.length - length, at, set: self.set.clone() };
-        [Self { length, ..self }, rest]
-    }
+    set: String,
 }
 
 impl EditedText {
     /// A text without settings.
     pub fn of(file: &str) -> Self {
-        let pieces = vec![Piece { length: file.len(), at: 0, set: None }];
-        Self { text: file.to_owned(), file: file.to_owned(), pieces }
+        Self { text: file.to_owned(), file: file.to_owned(), edits: Vec::new() }
     }
 
     /// The text of the file.
@@ -53,39 +42,21 @@ impl EditedText {
 
     /// Replaces a span of the text by the text of a setting.
     pub(super) fn replace(&mut self, span: Span, new: &str, set: &str) {
-        let at = self.source(span.start).at;
         self.text.replace_range(span.clone(), new);
-        let piece = Piece { length: new.len(), at, set: Some(set.to_owned()) };
-        let cuts = self.cut(span.start)..self.cut(span.end);
-        self.pieces.splice(cuts, Some(piece).filter(|piece| piece.length > 0));
-    }
-
-    /// Index of the piece that begins at a byte, where a piece is cut if none does.
-    fn cut(&mut self, at: usize) -> usize {
-        let (mut i, mut start) = (0, 0);
-        while i < self.pieces.len() && start + self.pieces[i].length <= at {
-            start += self.pieces[i].length;
-            i += 1;
-        }
-        if at == start || i == self.pieces.len() {
-            return i;
-        }
-        let parts = self.pieces[i].clone().split(at - start);
-        self.pieces.splice(i..=i, parts);
-        i + 1
+        self.edits.push(Edit { span, length: new.len(), set: set.to_owned() });
     }
 
     /// Source of a byte of the text.
     pub fn source(&self, at: usize) -> Source<'_> {
-        let mut start = 0;
-        for piece in &self.pieces {
-            if at < start + piece.length {
-                let inside = if piece.set.is_some() { 0 } else { at - start };
-                return Source { at: piece.at + inside, set: piece.set.as_deref() };
+        let mut source = Source { at, set: None };
+        for Edit { span, length, set } in self.edits.iter().rev() {
+            if source.at >= span.start + length {
+                source.at = source.at - length + span.len();
+            } else if source.at >= span.start {
+                source = Source { at: span.start, set: source.set.or(Some(set)) };
             }
-            start += piece.length;
         }
-        Source { at: self.file.len(), set: None }
+        Source { at: source.at.min(self.file.len()), ..source }
     }
 }
 

@@ -3,7 +3,6 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::context::Notes;
 use super::courses::gather;
 use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
 use super::edited::EditedText;
@@ -16,7 +15,7 @@ use super::scan::scan;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
 use super::validate::findings;
-use super::values::{self, Values};
+use super::values;
 
 /// A scene that was read and checked.
 #[derive(Clone, Debug)]
@@ -81,8 +80,7 @@ pub fn load_with(
     sets: &[String],
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
-    let base = path.parent().unwrap_or(Path::new(""));
-    load_file(path, sets, |specimen| read_specimen(base, specimen), further)
+    load_file(path, sets, true, further)
 }
 
 /// Like [`load_with`], for a scene whose saved state is still to be made. What depends on the state
@@ -95,18 +93,13 @@ pub fn load_unprepared(
     sets: &[String],
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
-    let base = path.parent().unwrap_or(Path::new(""));
-    let read = |specimen: &Specimen| match specimen {
-        Specimen::State { .. } => Ok(None),
-        _ => read_specimen(base, specimen),
-    };
-    load_file(path, sets, read, further)
+    load_file(path, sets, false, further)
 }
 
 fn load_file(
     path: &Path,
     sets: &[String],
-    read: impl FnOnce(&Specimen) -> Result<Option<StoredSpecimen>, ReadError>,
+    is_prepared: bool,
     further: impl FnOnce(&Scene) -> Vec<Finding>,
 ) -> Result<LoadedScene, LoadError> {
     let read_error = |source| LoadError::Read { path: path.to_owned(), source };
@@ -121,6 +114,11 @@ fn load_file(
         return Err(refuse((String::new(), Placed { at: 0, finding })));
     };
     let text = decode(bytes, "save the scene as UTF-8").map_err(refuse)?;
+    let base = path.parent().unwrap_or(Path::new(""));
+    let read = |specimen: &Specimen| match specimen {
+        Specimen::State { .. } if !is_prepared => Ok(None),
+        _ => read_specimen(base, specimen),
+    };
     from_text(&text, path, sets, read, further)
 }
 
@@ -179,12 +177,11 @@ fn from_text(
     };
     let before = if sets.is_empty() { None } else { scan(text).0 };
     let spared = before.as_ref().map(values::used).unwrap_or_default();
-    let Values { placed: misused, tables, made_up: no_values } = values::put_in(&mut root, &spared);
-    let (mut scene, notes) = read::read::<Scene>(&root);
-    let Notes { placed: misread, mut made_up, renamed } = notes;
-    made_up.extend(no_values);
-    placed.extend(misused);
-    placed.extend(misread);
+    let values = values::put_in(&mut root, &spared);
+    let (mut scene, mut notes) = read::read::<Scene>(&root);
+    notes.made_up.extend(values.made_up);
+    placed.extend(values.placed);
+    placed.extend(notes.placed);
     let mut csv_errors = None;
     let mut specimen = None;
     if let Some(scene) = &mut scene {
@@ -202,7 +199,7 @@ fn from_text(
         if let Some(stored) = &mut specimen {
             inherit(scene, stored);
         }
-        let mut unsure = made_up.clone();
+        let mut unsure = notes.made_up.clone();
         if matches!(scene.specimen, Specimen::State { .. }) && specimen.is_none() {
             // The names of a state that cannot be read are unknown.
             unsure.push("specimen".to_owned());
@@ -214,8 +211,8 @@ fn from_text(
         let written = Written::of(&root);
         let mut found = written.place(found);
         found.extend(written.findings);
-        found.retain(|finding| !made_up.iter().any(|path| within(&finding.path, path)));
-        placed.extend(gather(place(&root, found, &renamed), &tables));
+        found.retain(|finding| !notes.made_up.iter().any(|path| within(&finding.path, path)));
+        placed.extend(gather(place(&root, found, &notes.renamed), &values.tables));
     }
     if let Some(error) = addressed_nothing(&edited, &placed) {
         return Err(LoadError::Set(error));

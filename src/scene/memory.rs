@@ -11,7 +11,7 @@ use glam::DVec2;
 
 use crate::run::sieve;
 
-use super::format::{Analysis, Rate, Scene, Sizes, Specimen, Stage};
+use super::format::{Analysis, Scene, Sizes, Specimen, Stage};
 use super::specimen_file::StoredSpecimen;
 
 /// Memory per particle, bytes.
@@ -81,7 +81,6 @@ pub fn size(bytes: f64) -> String {
     format!("{:.1} {unit}", bytes / size)
 }
 
-/// Number of particles.
 pub(super) fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> u64 {
     match specimen {
         Specimen::Particles(list) => list.len() as u64,
@@ -102,13 +101,12 @@ pub(crate) fn poured(scene: &Scene, stage: &Stage) -> f64 {
     };
     let all = f64::from(pour.load.increments);
     let due = pour.stream.rate.due(all, all, dt);
-    let number = match pour.stream.rate {
-        Rate::Number(_) | Rate::NumberOverStage(_) => due,
-        Rate::Mass(_) | Rate::MassOverStage(_) => {
-            let densities = scene.materials.values().map(|material| material.density);
-            let density = densities.fold(f64::INFINITY, f64::min);
-            due / (density * PI * mean_of(&pour.stream.sizes).powi(2) * scene.thickness)
-        }
+    let number = if pour.stream.rate.is_of_mass() {
+        let densities = scene.materials.values().map(|material| material.density);
+        let density = densities.fold(f64::INFINITY, f64::min);
+        due / (density * PI * mean_of(&pour.stream.sizes).powi(2) * scene.thickness)
+    } else {
+        due
     };
     if number.is_finite() { number.max(0.0).ceil() } else { 0.0 }
 }
@@ -116,11 +114,10 @@ pub(crate) fn poured(scene: &Scene, stage: &Stage) -> f64 {
 /// Radius of a disk of mean area of a distribution, m.
 fn mean_of(sizes: &Sizes) -> f64 {
     match sizes {
-        Sizes::Equal { radius } => *radius,
+        Sizes::Equal { radius } | Sizes::LogNormal { radius, .. } => *radius,
         Sizes::Uniform { radius: (low, high) } => {
             ((low * low + low * high + high * high) / 3.0).sqrt()
         }
-        Sizes::LogNormal { radius, .. } => *radius,
         // A curve of one point is refused.
         Sizes::Sieve { passing } if passing.len() < 2 => f64::NAN,
         Sizes::Sieve { passing } => {

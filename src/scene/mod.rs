@@ -22,7 +22,6 @@ mod repeats;
 pub mod shipped;
 pub mod shown;
 pub mod specimen_file;
-mod stored;
 pub mod stored_state;
 #[cfg(test)]
 mod tests;
@@ -35,5 +34,5 @@ pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_unpre
 pub use overrides::SetError;
 pub use reader::spans;
 pub(crate) use reader::suggest;
-use reader::{context, dimension, expression, scan, tree, units};
-pub use stored::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};
+use reader::{dimension, expression, scan, tree, units};
+pub use stored_state::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};

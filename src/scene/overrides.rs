@@ -44,7 +44,7 @@ impl std::error::Error for SetError {}
 pub fn apply(text: &str, sets: &[impl AsRef<str>]) -> Result<EditedText, SetError> {
     let names_a_number = |set: &str| {
         let path = set.split_once('=').and_then(|(path, _)| parse_path(path.trim()));
-        path.is_some_and(|steps| steps.first().and_then(name_of) == Some("let"))
+        path.is_some_and(|steps| steps.first().and_then(Step::name) == Some("let"))
     };
     let mut sets: Vec<&str> = sets.iter().map(AsRef::as_ref).collect();
     sets.sort_by_key(|set| !names_a_number(set));
@@ -75,9 +75,7 @@ fn apply_one(mut edited: EditedText, set: &str) -> Result<EditedText, SetError> 
     let new = match refusal {
         None => plain,
         Some(_) if !value.starts_with('"') && place.refusal(text, &quoted).is_none() => quoted,
-        Some(Finding { message, help, .. }) => {
-            return Err(SetError { set: set.to_owned(), message, help });
-        }
+        Some(wrong) => return Err(error(&wrong.message, wrong.help.unwrap_or_default())),
     };
     edited.replace(place.span, &new, set);
     Ok(edited)
@@ -115,7 +113,7 @@ impl Place {
         if parent.shape == Shape::List && *absent == [Step::Index(parent.entries.len())] {
             return Ok(Self { span: at..at, before: comma.to_owned(), after: String::new() });
         }
-        let names: Option<Vec<&str>> = absent.iter().map(name_of).collect();
+        let names: Option<Vec<&str>> = absent.iter().map(Step::name).collect();
         let no_field = || nearest_paths(parent, &steps[..found.depth], next);
         let names = names.ok_or_else(no_field)?;
         // A new entry of a map must be complete. Otherwise a misspelt name would create a second
@@ -157,13 +155,6 @@ impl Place {
     }
 }
 
-fn name_of(step: &Step) -> Option<&str> {
-    match step {
-        Step::Name(name) => Some(name),
-        Step::Index(_) => None,
-    }
-}
-
 /// Help that names the existing paths that are nearest to a missing one.
 fn nearest_paths(parent: &Node, path: &[Step], next: &Step) -> String {
     let path = write_path(path);
@@ -177,15 +168,11 @@ fn nearest_paths(parent: &Node, path: &[Step], next: &Step) -> String {
         _ => Step::Index(i),
     };
     let steps: Vec<Step> = parent.entries.iter().enumerate().map(name).collect();
-    let whole = |step: &Step| match step {
-        Step::Name(name) => join(&path, name),
-        Step::Index(i) => format!("{path}[{i}]"),
-    };
-    let wanted = name_of(next).unwrap_or_default();
-    let meant = suggest::nearest(wanted, steps.iter().filter_map(name_of));
-    let meant = meant.map(|name| Step::Name(name.to_owned()));
-    let meant = meant.map(|step| format!("did you mean `{}`? ", whole(&step))).unwrap_or_default();
-    let paths: Vec<String> = steps.iter().map(whole).collect();
+    let wanted = next.name().unwrap_or_default();
+    let meant = suggest::nearest(wanted, steps.iter().filter_map(Step::name));
+    let meant = meant.map(|name| format!("did you mean `{}`? ", join(&path, name)));
+    let meant = meant.unwrap_or_default();
+    let paths: Vec<String> = steps.iter().map(|step| step.after(&path)).collect();
     let paths: Vec<&str> = paths.iter().map(String::as_str).collect();
     format!("{meant}there is {}", suggest::list(&paths))
 }

@@ -1,8 +1,6 @@
 //! Text of a scene for display. A scene may come from an unknown source, so its text must neither
 //! control a terminal nor flood it.
 
-use std::fmt::Write;
-
 /// Maximum length of a token that is not shortened, characters.
 const LONGEST: usize = 200;
 
@@ -42,8 +40,7 @@ fn escape(text: &str, keep: impl Fn(char) -> bool) -> String {
     let mut shown = String::with_capacity(text.len());
     for c in text.chars() {
         if !keep(c) && (c.is_control() || turns(c)) {
-            // Writing to a string cannot fail.
-            let _ = write!(shown, "{}", c.escape_unicode());
+            shown.extend(c.escape_unicode());
         } else {
             shown.push(c);
         }

@@ -9,11 +9,11 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::coincident::coincident;
-use super::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
+use super::diagnostic::{Finding, Placed, SceneErrors};
 use super::edited::EditedText;
 use super::files::{decode, read_at_most};
 use super::limits::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER};
-pub use super::stored::{ReadError, StoredParticle, StoredSpecimen};
+pub use super::stored_state::{ReadError, StoredParticle, StoredSpecimen};
 
 /// Maximum size of the file, bytes: that of `MAX_PARTICLES` rows with all digits.
 const MAX_BYTES: u64 = 500_000_000;
@@ -42,7 +42,7 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     if reading.placed.is_empty() {
         reading.text(&text);
         let disks: Vec<_> = reading.rows.iter().map(|row| (row.x, row.y, row.r)).collect();
-        for (earlier, later) in coincident(&disks, MAX_SHOWN) {
+        for (earlier, later) in coincident(&disks) {
             let (line, _) = super::diagnostic::line_and_column(&text, reading.starts[earlier]);
             let message = format!("the same place as the particle of line {line}");
             reading.note(reading.starts[later], "x_m", &message, "leave one of them out");
@@ -169,7 +169,7 @@ impl Reading {
         let before = self.placed.len();
         let mut numbers = [0.0; 3];
         for (i, number) in numbers.iter_mut().enumerate() {
-            let Some(field) = fields.get(columns.numbers[i]) else { return };
+            let field = fields[columns.numbers[i]];
             // Each field is found by the comma before it, so that equal fields keep their places.
             let commas = line.match_indices(',').map(|(comma, _)| comma + 1);
             let at = std::iter::once(0).chain(commas).nth(columns.numbers[i]).unwrap_or_default();
@@ -192,8 +192,7 @@ impl Reading {
         if self.placed.len() == before {
             let [x, y, r] = numbers;
             let text = |column: Option<usize>| {
-                let name = column.and_then(|k| fields.get(k)).filter(|name| !name.is_empty());
-                name.map(|name| (*name).to_owned())
+                column.map(|k| fields[k].to_owned()).filter(|name| !name.is_empty())
             };
             let material = text(columns.material);
             if columns.group.is_some() {

@@ -43,7 +43,6 @@ impl Use<'_, '_> {
     }
 }
 
-/// The entries of `let`.
 fn defined<'n, 't>(root: &'n Node<'t>) -> &'n [Entry<'t>] {
     root.field("let").map_or(&[], |defined| &defined.entries)
 }
@@ -146,14 +145,8 @@ fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Values, Repl
     let names: Vec<String> = places.into_keys().collect();
     let mut left = courses::MOST;
     for course in &courses {
-        let sampled = course.sample(&names, &value, &mut left);
-        let first = course.parts[0].node.span.start;
-        replacements.insert(first, (sampled.points, course.parts.len()));
-        if sampled.is_made_up {
-            values.made_up.push(course.path.clone());
-        }
-        findings.extend(sampled.findings);
-        values.tables.push((course.path.clone(), sampled.increments));
+        let points = course.sample(&names, &value, &mut left, &mut findings, &mut values);
+        replacements.insert(course.parts[0].node.span.start, (points, course.parts.len()));
     }
     values.placed = place(root, findings, &[]);
     (values, replacements)
@@ -192,10 +185,6 @@ fn findings(
 ) -> Vec<Finding> {
     let mut findings = Vec::new();
     let mut known = Known::new();
-    let at_key = |path: &str, message: String, help: String| Finding {
-        at_key: true,
-        ..Finding::new(path, message, help)
-    };
     for name in places.keys() {
         let path = join("let", name);
         if !is_name(name) {
@@ -204,14 +193,15 @@ fn findings(
                 _ => "write a word in lower case, as in `confining` or `step_2`",
             };
             let message = format!("`{name}` cannot stand for a number");
-            findings.push(at_key(&path, message, help.to_owned()));
+            findings.push(Finding::new(path, message, help).at_key());
             continue;
         }
         let course = uses.iter().find(|at| at.own.contains(&name.as_str()) && at.has(name));
         if let Some(Use { path: at, .. }) = course {
             let what = if name == "s" { "progress" } else { "time" };
             let message = format!("`{name}` is the {what} of the stage at {at}");
-            findings.push(at_key(&path, message, format!("give `{name}` another name in `let`")));
+            let help = format!("give `{name}` another name in `let`");
+            findings.push(Finding::new(&path, message, help).at_key());
         }
         if !spared.contains(name) && !uses.iter().any(|at| at.has(name)) {
             let others = places.keys().map(String::as_str).filter(|other| other != name);
@@ -219,23 +209,24 @@ fn findings(
                 Some(near) => format!("did you mean `{near}`? Else leave it out"),
                 None => format!("write `{name}`, without quotes, for a number, or leave it out"),
             };
-            findings.push(at_key(&path, format!("no number uses it (`{name}`)"), help));
+            let message = format!("no number uses it (`{name}`)");
+            findings.push(Finding::new(path, message, help).at_key());
             continue;
         }
         let alone = uses.iter().filter(|at| at.name() == Some(name));
         let mut alone = alone.filter_map(|at| Some((at, at.unit?)));
         let Some((first, unit)) = alone.next() else { continue };
-        known.insert(name.clone(), Dimension::of_unit(unit).powers());
+        known.insert(name.clone(), Dimension::of_unit(unit).powers);
         for (at, here) in alone.filter(|(_, here)| *here != unit) {
             let [here, there] = [here, unit].map(a_number);
             let message = format!("`{name}` is {here} here, and {there} at {}", first.path);
-            let help = "give each its own name in `let`".to_owned();
+            let help = "give each its own name in `let`";
             findings.push(Finding::new(&at.path, message, help));
         }
     }
     for (name, unit) in [("s", ""), ("t", "s")] {
         if !places.contains_key(name) {
-            known.insert(name.to_owned(), Dimension::of_unit(unit).powers());
+            known.insert(name.to_owned(), Dimension::of_unit(unit).powers);
         }
     }
     // Names that stand alone are compared above.
@@ -273,21 +264,17 @@ pub(super) fn a_number(unit: &str) -> String {
 
 /// Whether a word can stand for a number. Words of the format begin with a capital, apart from
 /// these.
-pub(super) fn is_name(name: &str) -> bool {
+fn is_name(name: &str) -> bool {
     let first = |c: char| c.is_lowercase() || c == '_';
     name.starts_with(first)
         && name.chars().all(|c| c.is_alphanumeric() || c == '_')
         && !["true", "false", "inf", "pi"].contains(&name)
 }
 
-/// The expression that stands for a number.
-fn expression(node: &Node) -> Option<Expression> {
-    let Node { literal, shape, .. } = node;
-    match shape {
-        Shape::Word if is_name(literal) || *literal == "pi" => parse(literal).ok(),
-        Shape::Expression => parse(literal).ok(),
-        _ => None,
-    }
+/// Whether a value is a name or an expression, which can stand for a number.
+pub(super) fn stands(node: &Node) -> bool {
+    let is_word = || is_name(node.literal) || node.literal == "pi";
+    node.shape == Shape::Expression || (node.shape == Shape::Word && is_word())
 }
 
 /// Collects names and expressions below a value that may stand for numbers. Paths and units are those of the
@@ -298,7 +285,9 @@ fn walk<'n, 't>(
     unit: Option<&'static str>,
     uses: &mut Vec<Use<'n, 't>>,
 ) {
-    if let Some(expression) = expression(node) {
+    if stands(node)
+        && let Ok(expression) = parse(node.literal)
+    {
         uses.push(Use { node, path, expression, unit, own: &[] });
         return;
     }

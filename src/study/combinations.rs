@@ -5,7 +5,7 @@ use std::path::Path;
 use indexmap::IndexMap;
 
 use super::format::{Runs, StudyError};
-use crate::scene::reader::verbatim::Verbatim;
+use crate::scene::reader::read::Verbatim;
 
 /// Names and values of a run, the values in RON. An empty value is none.
 pub(super) type Values = Vec<(String, String)>;

@@ -19,8 +19,8 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 
 use crate::scene::SceneErrors;
+use crate::scene::reader::read::Verbatim;
 use crate::scene::reader::read::read_sound;
-use crate::scene::reader::verbatim::Verbatim;
 
 /// Version of the format that this build reads.
 pub const VERSION: u32 = 1;
@@ -126,16 +126,10 @@ impl Study {
     }
 }
 
-/// Settings of a scene, `PATH=VALUE`, that give a name a value. `settings` has the fields of a
-/// name; `None` if it does not have the name.
-pub(super) fn sets(
-    settings: &IndexMap<String, Vec<String>>,
-    name: &str,
-    value: &str,
-) -> Option<Vec<String>> {
-    let set = |field: &String| match field.split_once('=') {
+/// Settings of a scene, `PATH=VALUE`, that give the fields of a name a value.
+pub(super) fn sets(fields: &[String], value: &str) -> impl Iterator<Item = String> {
+    fields.iter().map(move |field| match field.split_once('=') {
         Some((path, template)) => format!("{path}={}", template.replace("{}", value)),
         None => format!("{field}={value}"),
-    };
-    settings.get(name).map(|fields| fields.iter().map(set).collect())
+    })
 }

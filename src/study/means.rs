@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use indexmap::IndexMap;
 use serde_json::Value;
 
 use super::planned::Plan;
@@ -53,14 +54,11 @@ pub fn names<'a>(plan: &'a Plan, over: &[String]) -> Vec<&'a str> {
 
 /// The groups of a plan in the order of their first runs. `records` are those of the runs.
 pub fn groups(plan: &Plan, records: &[Value], over: &[String]) -> Vec<Group> {
-    let mut groups: Vec<(Vec<String>, Vec<&Value>)> = Vec::new();
+    let mut groups: IndexMap<Vec<String>, Vec<&Value>> = IndexMap::new();
     for (run, record) in plan.runs.iter().zip(records) {
         let kept = plan.names.iter().zip(&run.values).filter(|(name, _)| !over.contains(name));
-        let values: Vec<String> = kept.map(|(_, value)| value.clone()).collect();
-        match groups.iter_mut().find(|(known, _)| *known == values) {
-            Some((_, records)) => records.push(record),
-            None => groups.push((values, vec![record])),
-        }
+        let values = kept.map(|(_, value)| value.clone()).collect();
+        groups.entry(values).or_default().push(record);
     }
     let group = |(values, records): (Vec<String>, Vec<&Value>)| {
         let all = records.len();

@@ -22,12 +22,11 @@ pub fn state_at(path: &Path) -> String {
     format!("specimen.path={:?}", path.display().to_string())
 }
 
-/// Plans a study. `file` is that of the study; `load` reads a scene with settings.
-pub fn plan<E: std::fmt::Display>(
-    study: &Study,
-    file: &Path,
-    load: impl Fn(Wanted<'_>) -> Result<LoadedScene, E>,
-) -> Result<Plan, StudyError> {
+/// Reads a scene with settings.
+type Load<'a> = &'a dyn Fn(Wanted<'_>) -> Result<LoadedScene, String>;
+
+/// Plans a study. `file` is that of the study.
+pub fn plan(study: &Study, file: &Path, load: Load<'_>) -> Result<Plan, StudyError> {
     let wrong = |message: String| StudyError::new(file, message);
     let mut rows = combinations(&study.runs, file)?;
     if rows.is_empty() {
@@ -77,8 +76,7 @@ pub fn plan<E: std::fmt::Display>(
         let run =
             PlannedRun { values: plan.names.iter().map(value).collect(), ..PlannedRun::default() };
         let what = format!("run {} ({})", k + 1, run.label(&plan.names));
-        let add = plan.add(run, study, &load);
-        add.map_err(|message| wrong(format!("{what}{message}")))?;
+        plan.add(run, study, load).map_err(|message| wrong(format!("{what}{message}")))?;
     }
     Ok(plan)
 }
@@ -86,12 +84,7 @@ pub fn plan<E: std::fmt::Display>(
 impl Plan {
     /// Adds a run that has its values, and the preparation that it needs. An error begins with the
     /// punctuation after the name of the run.
-    fn add<E: std::fmt::Display>(
-        &mut self,
-        mut run: PlannedRun,
-        study: &Study,
-        load: &impl Fn(Wanted<'_>) -> Result<LoadedScene, E>,
-    ) -> Result<(), String> {
+    fn add(&mut self, mut run: PlannedRun, study: &Study, load: Load<'_>) -> Result<(), String> {
         let values = self.names.iter().zip(&run.values).filter(|(_, value)| !value.is_empty());
         let values: Vec<_> = values.map(|(name, value)| (name.clone(), value.clone())).collect();
         let scene = scene(study, &values)?;
@@ -99,8 +92,8 @@ impl Plan {
         for (name, value) in &values {
             let is_of_preparation =
                 study.prepare.as_ref().is_some_and(|p| p.settings.get(name).is_some());
-            match sets(&study.settings, name, value) {
-                Some(sets) => run.sets.extend(sets),
+            match study.settings.get(name) {
+                Some(fields) => run.sets.extend(sets(fields, value)),
                 // It chooses the scene, or belongs to the preparation alone.
                 None if is_of_preparation => {}
                 None if name == SCENE && study.scene.is_none() => {}
@@ -139,22 +132,22 @@ impl Plan {
 
     /// The state that a run with some values starts from. Its preparation is added to the plan
     /// unless it is there.
-    fn prepared<E: std::fmt::Display>(
+    fn prepared(
         &mut self,
         prepare: &Preparation,
         values: &[(String, String)],
-        load: &impl Fn(Wanted<'_>) -> Result<LoadedScene, E>,
+        load: Load<'_>,
     ) -> Result<Start, String> {
         let mut run = PlannedRun {
             values: vec![String::new(); self.names.len()],
             sets: prepare.set.clone(),
             ..PlannedRun::default()
         };
-        for (name, _) in &prepare.settings {
+        for (name, fields) in &prepare.settings {
             let Some((_, value)) = values.iter().find(|(known, _)| known == name) else {
                 return Err(format!(": its preparation needs a value of `{name}`"));
             };
-            run.sets.extend(sets(&prepare.settings, name, value).unwrap_or_default());
+            run.sets.extend(sets(fields, value));
             if let Some(at) = self.names.iter().position(|known| known == name) {
                 run.values[at].clone_from(value);
             }
@@ -224,7 +217,7 @@ fn hashed(loaded: &LoadedScene) -> std::io::Result<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{LoadError, from_str};
+    use crate::scene::from_str;
 
     const SCENE: &str = r#"(
         version: 1, title: "two disks",
@@ -233,8 +226,9 @@ mod tests {
         stages: [Load(name: "load", increments: 1)],
     )"#;
 
-    fn load(wanted: Wanted<'_>) -> Result<LoadedScene, LoadError> {
-        from_str(SCENE, Path::new("two.ron"), Path::new(""), wanted.sets)
+    fn load(wanted: Wanted<'_>) -> Result<LoadedScene, String> {
+        let loaded = from_str(SCENE, Path::new("two.ron"), Path::new(""), wanted.sets);
+        loaded.map_err(|error| error.to_string())
     }
 
     fn planned(runs: &str) -> Result<Plan, String> {
@@ -243,7 +237,7 @@ mod tests {
         );
         let file = Path::new("study.ron");
         let study = Study::read(&text, file).map_err(|e| e.to_string())?;
-        plan(&study, file, load).map_err(|e| e.to_string())
+        plan(&study, file, &load).map_err(|e| e.to_string())
     }
 
     #[test]

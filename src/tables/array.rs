@@ -1,5 +1,7 @@
 //! An array: a shape, and values row by row.
 
+use super::{TableError, Tables};
+
 /// Values of an array.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Data {
@@ -70,32 +72,9 @@ pub struct Array {
 impl Array {
     /// A column of values.
     #[must_use]
-    pub fn column<T: Value>(values: Vec<T>) -> Self {
+    pub fn column<T: Value>(values: impl IntoIterator<Item = T>) -> Self {
+        let values: Vec<T> = values.into_iter().collect();
         Self { shape: vec![values.len()], data: T::data(values) }
-    }
-
-    /// A column of numbers.
-    #[must_use]
-    pub fn f64(values: Vec<f64>) -> Self {
-        Self::column(values)
-    }
-
-    /// A column of 32-bit counts.
-    #[must_use]
-    pub fn u32(values: Vec<u32>) -> Self {
-        Self::column(values)
-    }
-
-    /// A column of bytes.
-    #[must_use]
-    pub fn u8(values: Vec<u8>) -> Self {
-        Self::column(values)
-    }
-
-    /// A column of texts.
-    #[must_use]
-    pub fn text(values: impl IntoIterator<Item = String>) -> Self {
-        Self::column(values.into_iter().collect::<Vec<String>>())
     }
 
     /// A table with `N` values a row.
@@ -105,21 +84,37 @@ impl Array {
         Self { shape: vec![values.len() / N, N], data: T::data(values) }
     }
 
-    /// A single number.
+    /// A single value.
     #[must_use]
-    pub fn value(value: f64) -> Self {
-        Self { shape: Vec::new(), data: Data::F64(vec![value]) }
+    pub fn single<T: Value>(value: T) -> Self {
+        Self { shape: Vec::new(), data: T::data(vec![value]) }
+    }
+}
+
+/// Values of one type that are an array.
+pub(crate) trait Column: Sized {
+    /// The values as an array.
+    fn array(&self) -> Array;
+    /// Reads the array `name`, which must have this number of rows.
+    fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError>;
+}
+
+impl<T: Value> Column for Vec<T> {
+    fn array(&self) -> Array {
+        Array::column(self.iter().cloned())
     }
 
-    /// A single count.
-    #[must_use]
-    pub fn count(value: u64) -> Self {
-        Self { shape: Vec::new(), data: Data::U64(vec![value]) }
+    fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError> {
+        Ok(tables.values(name, &[rows])?.to_vec())
+    }
+}
+
+impl<T: Value, const N: usize> Column for Vec<[T; N]> {
+    fn array(&self) -> Array {
+        Array::vectors(self.iter().cloned())
     }
 
-    /// A single text.
-    #[must_use]
-    pub fn word(value: &str) -> Self {
-        Self { shape: Vec::new(), data: Data::Text(vec![value.to_owned()]) }
+    fn read(tables: &Tables, name: &str, rows: usize) -> Result<Self, TableError> {
+        Ok(tables.values(name, &[rows, N])?.as_chunks().0.to_vec())
     }
 }

@@ -5,8 +5,8 @@
 //! use clastic::tables::{Array, Tables};
 //!
 //! let mut tables = Tables::default();
-//! tables.put("radius_m", Array::f64(vec![1.0e-3, 2.0e-3]));
-//! tables.put("name", Array::text(["sand".to_owned()]));
+//! tables.put("radius_m", Array::column([1.0e-3, 2.0e-3]));
+//! tables.put("name", Array::column(["sand".to_owned()]));
 //! # #[cfg(feature = "npz")] {
 //! let read = Tables::decode(&tables.encode()?)?;
 //! assert_eq!(read.f64("radius_m", &[2])?, [1.0e-3, 2.0e-3]);
@@ -15,14 +15,12 @@
 //! ```
 
 mod array;
-mod column;
 #[cfg(feature = "npz")]
 mod npy;
 #[cfg(feature = "npz")]
 mod npz;
 
-pub(crate) use column::Column;
-
+pub(crate) use array::Column;
 pub use array::{Array, Data, Value};
 
 /// Why tables cannot be written or read. The message names the array; the caller adds the file.
@@ -108,12 +106,6 @@ impl Tables {
         found.map(|(_, array)| array).ok_or_else(|| TableError::Missing(name.to_owned()))
     }
 
-    /// Whether an array of this name exists.
-    #[must_use]
-    pub fn has(&self, name: &str) -> bool {
-        self.get(name).is_ok()
-    }
-
     /// Number of rows of an array: its first dimension; 1 for a single value.
     ///
     /// # Errors
@@ -175,16 +167,16 @@ mod tests {
 
     fn tables() -> Tables {
         let mut tables = Tables::default();
-        tables.put("time_s", Array::value(0.1 + 0.2));
+        tables.put("time_s", Array::single(0.1 + 0.2));
         tables.put("x_m", Array::vectors([[f64::NAN, -0.0], [f64::MIN_POSITIVE / 3.0, 1e300]]));
-        tables.put("id", Array::u32(vec![0, u32::MAX]));
+        tables.put("id", Array::column([0, u32::MAX]));
         tables.put("force_n", Array::vectors([[1.0 / 3.0, -0.0], [f32::MIN_POSITIVE, 1e38]]));
-        tables.put("increment", Array::count(u64::MAX));
-        tables.put("held", Array::column(vec![true, false, true]));
-        tables.put("kind", Array::u8(vec![0, 255]));
-        tables.put("group", Array::text(["", "Sand", "Kornöfen 砂"].map(str::to_owned)));
-        tables.put("nothing", Array::f64(Vec::new()));
-        tables.put("no name", Array::text([]));
+        tables.put("increment", Array::single(u64::MAX));
+        tables.put("held", Array::column([true, false, true]));
+        tables.put("kind", Array::column([0_u8, 255]));
+        tables.put("group", Array::column(["", "Sand", "Kornöfen 砂"].map(str::to_owned)));
+        tables.put("nothing", Array::column::<f64>([]));
+        tables.put("no name", Array::column::<String>([]));
         tables
     }
 

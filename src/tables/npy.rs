@@ -3,6 +3,8 @@
 //! Format: <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>. The header is
 //! written in version 1.0. Versions 1 to 3 are read, little-endian and in C order only.
 
+use std::iter::repeat;
+
 use super::{Array, Data};
 
 const MAGIC: &[u8] = b"\x93NUMPY";
@@ -12,19 +14,19 @@ const CHARACTER: usize = 4;
 
 /// An array as a file.
 pub(super) fn encode(array: &Array) -> Vec<u8> {
-    let width = match &array.data {
-        // numpy has no texts of length 0.
-        Data::Text(v) => v.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1),
-        _ => 0,
-    };
-    let kind = match &array.data {
-        Data::F64(_) => "<f8".to_owned(),
-        Data::F32(_) => "<f4".to_owned(),
-        Data::U32(_) => "<u4".to_owned(),
-        Data::U64(_) => "<u8".to_owned(),
-        Data::U8(_) => "|u1".to_owned(),
-        Data::Bool(_) => "|b1".to_owned(),
-        Data::Text(_) => format!("<U{width}"),
+    let (kind, values): (_, Vec<u8>) = match &array.data {
+        Data::F64(v) => ("<f8".to_owned(), v.iter().flat_map(|x| x.to_le_bytes()).collect()),
+        Data::F32(v) => ("<f4".to_owned(), v.iter().flat_map(|x| x.to_le_bytes()).collect()),
+        Data::U32(v) => ("<u4".to_owned(), v.iter().flat_map(|x| x.to_le_bytes()).collect()),
+        Data::U64(v) => ("<u8".to_owned(), v.iter().flat_map(|x| x.to_le_bytes()).collect()),
+        Data::U8(v) => ("|u1".to_owned(), v.clone()),
+        Data::Bool(v) => ("|b1".to_owned(), v.iter().map(|x| u8::from(*x)).collect()),
+        Data::Text(v) => {
+            // numpy has no texts of length 0.
+            let width = v.iter().map(|text| text.chars().count()).max().unwrap_or(0).max(1);
+            let padded = v.iter().flat_map(|text| text.chars().chain(repeat('\0')).take(width));
+            (format!("<U{width}"), padded.flat_map(|c| u32::from(c).to_le_bytes()).collect())
+        }
     };
     // A tuple of one item has a comma behind it.
     let shape = match array.shape.as_slice() {
@@ -36,22 +38,8 @@ pub(super) fn encode(array: &Array) -> Vec<u8> {
     let used = MAGIC.len() + 4 + header.len() + 1;
     header += &" ".repeat(used.next_multiple_of(64) - used);
     header += "\n";
-    let mut bytes = [MAGIC, &[1, 0], &(header.len() as u16).to_le_bytes()].concat();
-    bytes.extend_from_slice(header.as_bytes());
-    match &array.data {
-        Data::F64(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
-        Data::F32(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
-        Data::U32(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
-        Data::U64(v) => v.iter().for_each(|x| bytes.extend_from_slice(&x.to_le_bytes())),
-        Data::U8(v) => bytes.extend_from_slice(v),
-        Data::Bool(v) => bytes.extend(v.iter().map(|x| u8::from(*x))),
-        Data::Text(v) => v.iter().for_each(|text| {
-            let end = bytes.len() + CHARACTER * width;
-            text.chars().for_each(|c| bytes.extend_from_slice(&u32::from(c).to_le_bytes()));
-            bytes.resize(end, 0);
-        }),
-    }
-    bytes
+    let length = (header.len() as u16).to_le_bytes();
+    [MAGIC, &[1, 0], &length, header.as_bytes(), &values].concat()
 }
 
 /// The array of a file, or what is wrong with it.

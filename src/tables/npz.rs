@@ -51,7 +51,7 @@ pub fn decode(bytes: &[u8]) -> Result<Tables, TableError> {
         left = left
             .checked_sub(values.len() as u64)
             .ok_or_else(|| failed(format_args!("it unpacks to more than {MAX_BYTES} bytes")))?;
-        if tables.has(name) {
+        if tables.get(name).is_ok() {
             return Err(TableError::at(name, "there twice"));
         }
         let array = npy::decode(&values).map_err(|what| TableError::at(name, what))?;

@@ -14,20 +14,15 @@ use clastic_components::loads::AddedLoad;
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, ProgramBody};
 
+use super::Trial;
 use super::groups::{Turning, turning};
-use super::{Found, Settings, Trial, cell};
 
 /// A body that does not move.
 const STILL: ProgramBody = ProgramBody { axis: DVec2::X, dofs: [Dof::Fixed(0.0); 3] };
 
 /// Fills the bodies of the program, one per row.
-pub(super) fn assemble(
-    trial: &Trial,
-    settings: &Settings,
-    found: &Found,
-    program: &mut ConeProgram,
-) {
-    let rows = Rows::new(trial, settings, found, program);
+pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
+    let rows = Rows::new(trial, program);
     let bodies = rows.bodies;
     let out = &mut program.bodies;
     out.clear();
@@ -41,7 +36,7 @@ pub(super) fn assemble(
     for wall in bodies.walls.iter().filter(|wall| bodies.group(wall.body as usize).is_none()) {
         out[wall.body as usize] = rows.wall(wall);
     }
-    out.extend(bodies.cell.map(|cell| cell::body(bodies, &cell, rows.analysis, rows.progress)));
+    out.extend(bodies.cell.map(|cell| rows.cell(&cell)));
 }
 
 /// What the rows of the bodies follow from.
@@ -53,20 +48,14 @@ pub(super) struct Rows<'a> {
     added: Vec<[AddedLoad; 3]>,
     /// Whether interactions act on the (translation, rotation) of a body.
     touched: Vec<(bool, bool)>,
-    affine: Affine,
-    /// The rigid groups in statics.
+    affine: Option<Affine>,
+    /// How rigid groups turn in statics; empty otherwise.
     pub turning: Vec<Turning<'a>>,
 }
 
 impl<'a> Rows<'a> {
-    fn new(
-        trial: &'a Trial,
-        settings: &'a Settings,
-        found: &'a Found,
-        program: &ConeProgram,
-    ) -> Self {
-        let Trial { bodies, contacts, loads, progress, .. } = trial;
-        let analysis = &settings.analysis;
+    fn new(trial: &'a Trial, program: &ConeProgram) -> Self {
+        let Trial { bodies, contacts, loads, progress, analysis, corrections, .. } = trial;
         let mut touched = vec![(false, false); bodies.positions.len()];
         for c in &program.interactions {
             let turns = c.limits.has_shear() || c.limits.has_rolling();
@@ -77,7 +66,9 @@ impl<'a> Rows<'a> {
         }
         let added = if loads.is_empty() { Vec::new() } else { loads.sums(bodies) };
         let (gravity, fraction) = (analysis.gravity, progress.fraction);
-        let guess = &found.corrections.guesses.last;
+        let guess = &corrections.guesses.last;
+        let is_static = analysis.kind == AnalysisKind::Static;
+        let turning = || turning(bodies, contacts, program, fraction, gravity, guess);
         Self {
             bodies,
             analysis,
@@ -85,7 +76,7 @@ impl<'a> Rows<'a> {
             added,
             touched,
             affine: Affine::of(bodies, analysis, fraction),
-            turning: turning(bodies, contacts, program, fraction, gravity, guess),
+            turning: if is_static { turning() } else { Vec::new() },
         }
     }
 
@@ -96,7 +87,7 @@ impl<'a> Rows<'a> {
 
     /// Mean motion of a compaction at a place, m.
     pub fn mean(&self, x: DVec2) -> DVec2 {
-        self.affine.displacement(x)
+        self.affine.as_ref().map_or(DVec2::ZERO, |affine| affine.displacement(x))
     }
 
     /// A degree of freedom that no drive imposes: unknown if interactions act on it, else known from
@@ -207,53 +198,46 @@ fn shake(seed: u64, increment: u64, body: usize, dof: usize) -> f64 {
     (bits >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
 }
 
-/// Mean motion of a compaction. In a periodic cell it is the deformation of the cell. Otherwise it
-/// is linear between zero at the fixed walls and the motion of the wall at the moving wall.
-struct Affine {
-    moving: Option<(DVec2, DVec2, DVec2, f64)>,
-    /// Displacement gradient of a periodic cell: width, height and shear.
-    cell: Option<[f64; 3]>,
+/// Mean motion of a compaction.
+enum Affine {
+    /// The deformation of a periodic cell, by its displacement gradient: width, height and shear.
+    Cell([f64; 3]),
+    /// Linear between zero at the opposite wall, which is fixed, and `u` at the moving one.
+    Walls { base: DVec2, inward: DVec2, u: DVec2, height: f64 },
 }
 
 impl Affine {
-    fn of(bodies: &BodyTable, analysis: &ClasticAnalysis, fraction: f64) -> Self {
-        let AnalysisKind::Compaction { affine: true, .. } = analysis.kind else {
-            return Self { moving: None, cell: None };
-        };
+    fn of(bodies: &BodyTable, analysis: &ClasticAnalysis, fraction: f64) -> Option<Self> {
+        let AnalysisKind::Compaction { affine: true, .. } = analysis.kind else { return None };
         if let Some(cell) = &bodies.cell {
             let gradient = |k: usize, length: f64| match cell.controls[k] {
                 CellControl::Imposed(u) => fraction * u / length,
                 CellControl::Stress { .. } => 0.0,
             };
             let along = [cell.width, cell.height, cell.height];
-            let cell = Some([0, 1, 2].map(|k| gradient(k, along[k])));
-            return Self { moving: None, cell };
+            return Some(Self::Cell([0, 1, 2].map(|k| gradient(k, along[k]))));
         }
-        let moving = bodies.walls.iter().find_map(|wall| match wall.drive {
+        let (wall, u) = bodies.walls.iter().find_map(|wall| match wall.drive {
             WallDrive::Imposed(u) if u != DVec2::ZERO => Some((wall, fraction * u)),
             _ => None,
-        });
-        let moving = moving.and_then(|(wall, u)| {
-            let x = bodies.positions[wall.body as usize];
-            // The opposite wall is the fixed wall whose normal is closest to the opposite
-            // direction.
-            let base = bodies
-                .walls
-                .iter()
-                .filter(|w| w.body != wall.body && w.inward.dot(wall.inward) < -0.5)
-                .min_by(|a, b| a.inward.dot(wall.inward).total_cmp(&b.inward.dot(wall.inward)))?;
-            let height = (x - bodies.positions[base.body as usize]).dot(base.inward);
-            (height > 0.0).then_some((bodies.positions[base.body as usize], base.inward, u, height))
-        });
-        Self { moving, cell: None }
+        })?;
+        // The opposite wall is the fixed wall whose normal is closest to the opposite direction.
+        let opposite = bodies
+            .walls
+            .iter()
+            .filter(|w| w.body != wall.body && w.inward.dot(wall.inward) < -0.5)
+            .min_by(|a, b| a.inward.dot(wall.inward).total_cmp(&b.inward.dot(wall.inward)))?;
+        let (base, inward) = (bodies.positions[opposite.body as usize], opposite.inward);
+        let height = (bodies.positions[wall.body as usize] - base).dot(inward);
+        (height > 0.0).then_some(Self::Walls { base, inward, u, height })
     }
 
     fn displacement(&self, x: DVec2) -> DVec2 {
-        if let Some([xx, yy, xy]) = self.cell {
-            return DVec2::new(xx * x.x + xy * x.y, yy * x.y);
+        match *self {
+            Self::Cell([xx, yy, xy]) => DVec2::new(xx * x.x + xy * x.y, yy * x.y),
+            Self::Walls { base, inward, u, height } => {
+                u * ((x - base).dot(inward) / height).clamp(0.0, 1.0)
+            }
         }
-        self.moving.map_or(DVec2::ZERO, |(base, inward, u, height)| {
-            u * ((x - base).dot(inward) / height).clamp(0.0, 1.0)
-        })
     }
 }

@@ -8,25 +8,24 @@ use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
 
-/// The body of the cell. The stress acts on the area at the start of the increment.
-#[must_use]
-pub fn body(
-    bodies: &BodyTable,
-    cell: &PeriodicCell,
-    analysis: &ClasticAnalysis,
-    progress: &ClasticProgress,
-) -> ProgramBody {
-    let factors = cell.factors(bodies.mean_radius);
-    let loads = cell.loads_of_controls(bodies.mean_radius, analysis.thickness);
-    let dof = |k: usize| match cell.controls[k] {
-        CellControl::Imposed(_) if bodies.drives_stopped => Dof::Fixed(0.0),
-        CellControl::Imposed(u) => Dof::Fixed(progress.fraction * u * factors[k]),
-        CellControl::Stress { from, to } => {
-            let stress = progress.ramp(from, to).at(progress.fraction);
-            Dof::Free(FreeDof { load: stress * loads[k], ..FreeDof::default() })
-        }
-    };
-    ProgramBody { axis: cell.axis(), dofs: [dof(0), dof(1), dof(2)] }
+use super::balance::Rows;
+
+impl Rows<'_> {
+    /// The body of the cell. The stress acts on the area at the start of the increment.
+    pub(super) fn cell(&self, cell: &PeriodicCell) -> ProgramBody {
+        let Self { bodies, analysis, progress, .. } = *self;
+        let factors = cell.factors(bodies.mean_radius);
+        let loads = cell.loads_of_controls(bodies.mean_radius, analysis.thickness);
+        let dof = |k: usize| match cell.controls[k] {
+            CellControl::Imposed(_) if bodies.drives_stopped => Dof::Fixed(0.0),
+            CellControl::Imposed(u) => Dof::Fixed(progress.fraction * u * factors[k]),
+            CellControl::Stress { from, to } => {
+                let stress = progress.ramp(from, to).at(progress.fraction);
+                Dof::Free(FreeDof { load: stress * loads[k], ..FreeDof::default() })
+            }
+        };
+        ProgramBody { axis: cell.axis(), dofs: [dof(0), dof(1), dof(2)] }
+    }
 }
 
 /// Sets the shifts of images, and the cell of the program.

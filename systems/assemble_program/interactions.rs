@@ -16,11 +16,10 @@
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, BondRow, Contact};
 use clastic_components::findings::Pushed;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::material::ContactLaw;
+use clastic_components::increment::AnalysisKind;
 use clastic_cone::program::{ConeProgram, Interaction, Limits};
 
-use super::{Found, Settings, Trial};
+use super::Trial;
 use crate::contact_laws::Laws;
 
 /// Rigid overlaps below this, in mean radii, are round-off of the last increment. A static program
@@ -30,14 +29,8 @@ pub(super) const ROUND_OFF: f64 = 1e-9;
 
 /// Fills the interactions with one per contact, in the order of the contacts, and the last forces with
 /// theirs after the last increment.
-pub(super) fn assemble(
-    trial: &Trial,
-    settings: &Settings,
-    found: &Found,
-    program: &mut ConeProgram,
-) {
-    let Trial { bodies, contacts, history, .. } = trial;
-    let Settings { materials, analysis, .. } = settings;
+pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
+    let Trial { bodies, contacts, history, materials, analysis, pushed, .. } = trial;
     let laws = Laws { bodies, materials, analysis };
     let ConeProgram { interactions, last_forces, .. } = program;
     interactions.clear();
@@ -47,10 +40,10 @@ pub(super) fn assemble(
         let memory = memory_of(contact.a, contact.b).map_or([0.0; 3], |m| [m.p, m.q, m.tau]);
         last_forces.push(memory);
         let law = match contact.bond.map(|k| &bodies.bonds[k as usize]) {
-            Some(bond) => bonded(bodies, analysis, contact, bond),
-            None => unbonded(bodies, &found.pushed, contact, &laws.contact(contact)),
+            Some(bond) => bonded(laws, contact, bond),
+            None => unbonded(laws, pushed, contact),
         };
-        interaction(trial, settings, found, contact, law, memory)
+        interaction(trial, contact, law, memory)
     }));
 }
 
@@ -63,12 +56,7 @@ struct Law {
     limits: Limits,
 }
 
-fn bonded(
-    bodies: &BodyTable,
-    analysis: &ClasticAnalysis,
-    contact: &Contact,
-    bond: &BondRow,
-) -> Law {
+fn bonded(Laws { bodies, analysis, .. }: Laws, contact: &Contact, bond: &BondRow) -> Law {
     let law = &bond.law;
     let radius = contact.common_radius(bodies);
     let strength = analysis.strength;
@@ -85,8 +73,9 @@ fn bonded(
     }
 }
 
-fn unbonded(bodies: &BodyTable, pushed: &Pushed, contact: &Contact, law: &ContactLaw) -> Law {
-    let rolling = law.rolling_friction * contact.common_radius(bodies);
+fn unbonded(laws: Laws, pushed: &Pushed, contact: &Contact) -> Law {
+    let law = laws.contact(contact);
+    let rolling = law.rolling_friction * contact.common_radius(laws.bodies);
     // The motion that separates overlaps is known. Forces and velocities are those of bodies that
     // just touch.
     let touches = pushed.0.is_some() && law.normal_compliance == 0.0;
@@ -99,13 +88,11 @@ fn unbonded(bodies: &BodyTable, pushed: &Pushed, contact: &Contact, law: &Contac
 
 fn interaction(
     trial: &Trial,
-    settings: &Settings,
-    found: &Found,
     contact: &Contact,
     law: Law,
     [_, shear, moment]: [f64; 3],
 ) -> Interaction {
-    let (bodies, analysis, corrections) = (&trial.bodies, &settings.analysis, &found.corrections);
+    let Trial { bodies, analysis, corrections, .. } = trial;
     let Law { gap, compliances: [normal, tangential, rolling], limits } = law;
     let theta = analysis.kind.theta();
     let pair = (contact.a, contact.b);
@@ -119,20 +106,19 @@ fn interaction(
     let [turned, lag] = corrections.shift(contact);
     let (normal_compliance, tangential_compliance) = (normal / theta, tangential / theta);
     let shift = corrections.shear_shift(pair, tangential_compliance);
-    let round_off = -ROUND_OFF * bodies.mean_radius..0.0;
-    let gap = match analysis.kind {
-        AnalysisKind::Static if normal == 0.0 && round_off.contains(&gap) => 0.0,
-        // A group that is held along one direction and turns may touch on the left and on the right
-        // of its centre. A rotation that removes the round-off on one side adds to it on the other.
-        AnalysisKind::Dynamic { .. }
-            if normal == 0.0
-                && round_off.contains(&gap)
-                && [contact.a, contact.b].iter().any(|body| is_imposed_on(bodies, *body)) =>
-        {
-            0.0
-        }
-        _ => gap,
-    };
+    let has_round_off = normal == 0.0 && (-ROUND_OFF * bodies.mean_radius..0.0).contains(&gap);
+    let is_touch = has_round_off
+        && match analysis.kind {
+            AnalysisKind::Static => true,
+            // A group that is held along one direction and turns may touch on the left and on the
+            // right of its centre. A rotation that removes the round-off on one side adds to it on
+            // the other.
+            AnalysisKind::Dynamic { .. } => {
+                [contact.a, contact.b].iter().any(|body| is_imposed_on(bodies, *body))
+            }
+            AnalysisKind::Compaction { .. } => false,
+        };
+    let gap = if is_touch { 0.0 } else { gap };
     Interaction {
         normal: direction,
         arm_a: bodies.radii[contact.a as usize] + half_gap,

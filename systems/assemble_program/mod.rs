@@ -22,7 +22,7 @@ use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pu
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::loads::TrialLoads;
 use clastic_components::material::Materials;
-use clastic_cone::program::ConeProgram;
+use clastic_cone::program::{ConeProgram, ProgramCell};
 
 use crate::impacts::rebounds::{assemble_rebounds, has_restitution};
 use crate::links;
@@ -51,7 +51,8 @@ impl Plugin for AssembleProgramPlugin {
     }
 }
 
-/// Tables of the trial.
+/// What the program follows from: the tables of the trial, settings, and what the judges have found
+/// in earlier attempts.
 #[derive(SystemParam)]
 pub struct Trial<'w> {
     bodies: Res<'w, BodyTable>,
@@ -60,19 +61,9 @@ pub struct Trial<'w> {
     loads: Res<'w, TrialLoads>,
     progress: Res<'w, ClasticProgress>,
     attempt: Res<'w, Attempt>,
-}
-
-/// Settings on which the program depends.
-#[derive(SystemParam)]
-pub struct Settings<'w> {
     materials: Res<'w, Materials>,
     analysis: Res<'w, ClasticAnalysis>,
     acceptance: Res<'w, Acceptance>,
-}
-
-/// What the judges have found in earlier attempts.
-#[derive(SystemParam)]
-pub struct Found<'w> {
     corrections: Res<'w, Corrections>,
     pushed: Res<'w, Pushed>,
     search: Res<'w, EventSearch>,
@@ -81,48 +72,37 @@ pub struct Found<'w> {
 
 /// Fills the rest of [`ConeProgram`]: a balance row for every degree of freedom on which an
 /// interaction acts, expected magnitudes, and the weights of bodies that nothing holds.
-pub fn balance_bodies(
-    trial: Trial,
-    settings: Settings,
-    found: Found,
-    mut program: ResMut<ConeProgram>,
-) {
-    let Trial { bodies, contacts, history, attempt, .. } = &trial;
-    balance::assemble(&trial, &settings, &found, &mut program);
+pub fn balance_bodies(trial: Trial, mut program: ResMut<ConeProgram>) {
+    let Trial { bodies, contacts, history, attempt, analysis, .. } = &trial;
+    balance::assemble(&trial, &mut program);
     if known_pairs::leave_out(bodies, &contacts.0, &mut program) {
         // The bodies of these contacts may have no other interaction, and then their motion is
         // known.
-        balance::assemble(&trial, &settings, &found, &mut program);
+        balance::assemble(&trial, &mut program);
     }
-    if settings.analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
+    if analysis.kind == AnalysisKind::Static && attempt.motion().is_none() {
         cell::hold_one(bodies, &history.0, &mut program);
     }
-    program.scales = scales::estimate(&trial, &settings, &program);
-    regularise::regularise(&trial, &settings, &found, &mut program);
+    program.scales = scales::estimate(&trial, &program);
+    regularise::regularise(&trial, &mut program);
 }
 
 /// Fills the interactions of [`ConeProgram`]: one per contact, then one per link, then the ties of
 /// taut bonds.
-pub fn assemble_interactions(
-    trial: Trial,
-    settings: Settings,
-    found: Found,
-    mut program: ResMut<ConeProgram>,
-) {
+pub fn assemble_interactions(trial: Trial, mut program: ResMut<ConeProgram>) {
     let program = &mut *program;
-    let Trial { bodies, progress, .. } = &trial;
-    program.cell =
-        bodies.cell.map(|cell| cell.in_program(bodies.positions.len(), bodies.mean_radius));
-    interactions::assemble(&trial, &settings, &found, program);
-    let fraction = progress.fraction;
-    links::assemble(bodies, &settings.analysis, fraction, &mut program.interactions);
-    taut::assemble(&trial, &settings, &found, program);
+    let Trial { bodies, contacts, progress, attempt, analysis, corrections, search, .. } = &trial;
+    let (row, arm) = (bodies.positions.len() as u32, bodies.mean_radius);
+    program.cell = bodies.cell.map(|_| ProgramCell { body: row, arm });
+    interactions::assemble(&trial, program);
+    links::assemble(bodies, analysis, progress.fraction, &mut program.interactions);
+    taut::assemble(&trial, program);
     let interactions = &mut program.interactions;
-    if found.search.active && trial.attempt.effort().is_some() {
-        lift_strengths(&trial.contacts.0, interactions);
+    if search.active && attempt.effort().is_some() {
+        lift_strengths(&contacts.0, interactions);
     }
     cell::set_images(bodies, interactions);
-    turning::carry(&trial, &found, interactions);
-    let guess = &found.corrections.guesses.last;
-    groups::join(bodies, settings.analysis.kind.theta_of_step(), guess, interactions);
+    turning::carry(&trial, interactions);
+    let guess = &corrections.guesses.last;
+    groups::join(bodies, analysis.kind.theta_of_step(), guess, interactions);
 }

@@ -12,8 +12,8 @@ use clastic_components::increment::{Acceptance, AnalysisKind};
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, Dof};
 
+use super::Trial;
 use super::underconstrained::find_underconstrained;
-use super::{Found, Settings, Trial};
 
 /// First weight in a repeated attempt. It applies to every body, and its centre follows the
 /// solution until no force of the regularisation remains in the balance. The weight decreases by
@@ -30,16 +30,11 @@ pub(crate) fn max_moves(acceptance: &Acceptance) -> u32 {
 }
 
 /// Sets the proximal weights of the program.
-pub(super) fn regularise(
-    trial: &Trial,
-    settings: &Settings,
-    found: &Found,
-    program: &mut ConeProgram,
-) {
-    let Trial { bodies, history, attempt, .. } = trial;
-    let (history, centre) = (&history.0, &found.centre);
-    let least = settings.acceptance.regularisation;
-    if settings.analysis.kind != AnalysisKind::Static {
+pub(super) fn regularise(trial: &Trial, program: &mut ConeProgram) {
+    let Trial { bodies, attempt, centre, .. } = trial;
+    let history = &trial.history.0;
+    let least = trial.acceptance.regularisation;
+    if trial.analysis.kind != AnalysisKind::Static {
         return;
     }
     if let Mode::Motion(motion) = &attempt.mode {
@@ -49,7 +44,7 @@ pub(super) fn regularise(
     let mut regularised = if retry {
         vec![true; program.bodies.len()]
     } else {
-        find_underconstrained(bodies, &trial.contacts.0, history, program)
+        find_underconstrained(trial, program)
     };
     // Counting misses mechanisms whose constraints are in the wrong places. Bodies without load in
     // the last increment, or in a rejected solution of this one, may be part of a mechanism.
@@ -65,18 +60,12 @@ pub(super) fn regularise(
                 group.members.iter().all(|i| regularised[*i as usize]);
         }
     }
-    for (i, is_regularised) in regularised.iter_mut().enumerate() {
-        *is_regularised |= bearing(i) == Bearing::Nothing;
-    }
+    let takes_part = |i: usize| regularised[i] || bearing(i) == Bearing::Nothing;
     let unit = program.scales.force / program.scales.displacement;
-    let usual = if retry {
-        (WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves))).max(least)
-    } else {
-        least
-    };
-    let weight = unit * usual;
+    let part = if retry { WEIGHT_OF_RETRY * FALL.powf(f64::from(centre.moves)) } else { least };
+    let weight = unit * part.max(least);
     let length = program.scales.length;
-    for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| regularised[*i]) {
+    for (i, body) in program.bodies.iter_mut().enumerate().filter(|(i, _)| takes_part(*i)) {
         for (k, dof) in body.dofs.iter_mut().enumerate() {
             // An inertia in statics is a stiffness, which determines the displacement.
             if let Dof::Free(free) = dof

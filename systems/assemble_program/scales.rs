@@ -7,18 +7,18 @@ use glam::DVec2;
 use clastic_components::body::BodyDrive;
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, Scales};
+use clastic_cone::program::{ConeProgram, FreeDof, Interaction, ProgramBody, Scales};
 
-use super::{Settings, Trial};
+use super::Trial;
 
 /// Estimates the scales of the program. The magnitudes of a rejected attempt take precedence.
-pub(super) fn estimate(trial: &Trial, settings: &Settings, program: &ConeProgram) -> Scales {
-    let Trial { bodies, contacts, progress, .. } = trial;
+pub(super) fn estimate(trial: &Trial, program: &ConeProgram) -> Scales {
+    let Trial { bodies, contacts, progress, analysis, .. } = trial;
     let length = bodies.mean_radius;
     // Ties follow the contacts. Their stiffness is proportional to the tension and may be small, so
     // they are excluded.
     let interactions = &program.interactions[..contacts.0.len().min(program.interactions.len())];
-    let driven = displacement(bodies, &settings.analysis, progress);
+    let driven = displacement(bodies, analysis, progress);
     let known = driven.max(rigid_overlap(interactions));
     // Loading from zero: displacement of one contact under the loads.
     let displacement =
@@ -60,18 +60,16 @@ fn displacement(bodies: &BodyTable, analysis: &ClasticAnalysis, progress: &Clast
     let is_cut = progress.fraction < progress.tried;
     let f = if is_cut { progress.fraction.max(MIN_FRACTION) } else { progress.fraction };
     let driven = f * maximum_imposed(bodies);
-    let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
-    let maximum = |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, f64::max);
     match analysis.kind {
         AnalysisKind::Dynamic { dt, .. } => {
             let dt = dt * f;
-            let v = maximum(&mut bodies.velocities.iter().map(|v| v.length()));
+            let v = bodies.velocities.iter().map(|v| v.length()).fold(0.0, f64::max);
             driven.max(v * dt).max(analysis.gravity.length() * dt * dt)
         }
         AnalysisKind::Static | AnalysisKind::Compaction { .. } => {
             // The jump of a grain in the last increment must not set the scale.
-            let last = maximum(&mut moved.into_iter()).min(MAX_MOTION * bodies.mean_radius);
-            driven.max(last)
+            let moved = bodies.last_motion.iter().map(|u| f * DVec2::new(u[0], u[1]).length());
+            driven.max(moved.fold(0.0, f64::max).min(MAX_MOTION * bodies.mean_radius))
         }
     }
 }
@@ -80,21 +78,17 @@ fn displacement(bodies: &BodyTable, analysis: &ClasticAnalysis, progress: &Clast
 /// of one side of the cell relative to the other.
 pub(crate) fn maximum_imposed(bodies: &BodyTable) -> f64 {
     let drives = (0..bodies.particles).flat_map(|i| [bodies.drive(i, 0), bodies.drive(i, 1)]);
-    let drives = drives.map(|d| match d {
-        BodyDrive::Imposed(u) => u.abs(),
-        BodyDrive::Free => 0.0,
-    });
+    let drives = drives.filter_map(BodyDrive::imposed).map(f64::abs);
     let walls = bodies.walls.iter().map(|w| bodies.wall_travel(w, bodies.wall_drive(w)));
     let groups = bodies.groups.iter().map(|group| bodies.imposed_motion(group));
     let cell = bodies.cell.filter(|_| !bodies.drives_stopped).map(|cell| cell.imposed());
     drives.chain(walls).chain(groups).chain(cell).fold(0.0, f64::max)
 }
 
-fn free_translations(program: &ConeProgram) -> impl Iterator<Item = &FreeDof> {
-    program.bodies.iter().flat_map(|body| &body.dofs[..2]).filter_map(|dof| match dof {
-        Dof::Free(free) => Some(free),
-        Dof::Fixed(_) => None,
-    })
+/// The translations of bodies whose displacements are unknown.
+pub(crate) fn free_translations(program: &ConeProgram) -> impl Iterator<Item = &FreeDof> {
+    let all = program.bodies.iter().flat_map(ProgramBody::free);
+    all.filter(|(k, _)| *k < 2).map(|(_, free)| free)
 }
 
 fn maximum_load(program: &ConeProgram) -> f64 {

@@ -8,7 +8,7 @@
 //! and its force is at most T. It represents the normal force itself, turned by the motion, and is no
 //! error of the balance. The term of other contacts is negative, destabilises a grain, and cannot be part
 //! of a convex program. Followed motions cover this case. Rigid groups have their own
-//! [stiffness](super::groups::stiffnesses).
+//! [stiffness](super::groups::turning).
 
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::AnalysisKind;
@@ -16,7 +16,7 @@ use clastic_components::wall_shape::Curve;
 use clastic_cone::program::{ConeProgram, Interaction, Limits};
 use glam::DVec2;
 
-use super::{Found, Settings, Trial};
+use super::Trial;
 use crate::solved::Solved;
 
 /// Elongation over the length below which an elastic contact counts as slack.
@@ -42,19 +42,14 @@ fn pull(bodies: &BodyTable, contact: &Contact, c: &Interaction, tension: f64) ->
 }
 
 /// Appends the ties.
-pub(super) fn assemble(
-    trial: &Trial,
-    settings: &Settings,
-    found: &Found,
-    program: &mut ConeProgram,
-) {
-    if settings.analysis.kind != AnalysisKind::Static {
+pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
+    if trial.analysis.kind != AnalysisKind::Static {
         return;
     }
     let ConeProgram { interactions, last_forces, .. } = program;
     for (k, contact) in trial.contacts.0.iter().enumerate() {
         let c = interactions[k];
-        let guess = found.corrections.of((contact.a, contact.b));
+        let guess = trial.corrections.of((contact.a, contact.b));
         let tension = guess.map_or(-last_forces[k][0], |guess| guess.tension);
         if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension) {
             interactions.push(Interaction {
@@ -70,9 +65,8 @@ pub(super) fn assemble(
 }
 
 /// The ties of a program in the order of their contacts: the index of the contact and that of the tie.
-pub fn ties(
-    Solved { bodies, contacts, program, .. }: Solved<'_>,
-) -> impl Iterator<Item = (usize, usize)> {
+pub fn ties(solved: Solved) -> impl Iterator<Item = (usize, usize)> {
+    let Solved { bodies, contacts, program, .. } = solved;
     let listed = contacts.0.len();
     let mut next = 0;
     // Interactions of plugins follow, of which none is across a contact between its bodies.

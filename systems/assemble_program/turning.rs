@@ -13,26 +13,22 @@ use clastic_components::contact::{BodyTable, Contact, WallRow};
 use clastic_components::wall::WallDrive;
 use clastic_cone::program::Interaction;
 
-use super::{Found, Trial};
+use super::Trial;
 
-/// A wall that turns in a trial.
-struct Turning<'a> {
-    wall: &'a WallRow,
-    /// Displacement of its position, m, and its rotation, rad.
-    motion: (DVec2, f64),
-}
+/// A wall that turns in a trial, the displacement of its position, m, and its rotation, rad.
+type Turning<'a> = (&'a WallRow, DVec2, f64);
 
 /// Gives the contacts of walls that turn in this fraction of the increment their arms and offsets.
 /// Other interactions stay as they are.
-pub(super) fn carry(trial: &Trial, found: &Found, interactions: &mut [Interaction]) {
-    let Trial { bodies, contacts, progress, .. } = trial;
+pub(super) fn carry(trial: &Trial, interactions: &mut [Interaction]) {
+    let Trial { bodies, contacts, progress, corrections, .. } = trial;
     let turning: Vec<Turning> = bodies
         .walls
         .iter()
         .filter_map(|wall| {
             let WallDrive::Turning { about, angle } = bodies.wall_drive(wall) else { return None };
             let angle = progress.fraction * angle;
-            Some(Turning { wall, motion: (bodies.swing(wall, about, angle), angle) })
+            Some((wall, bodies.swing(wall, about, angle), angle))
         })
         .collect();
     if turning.is_empty() && bodies.groups.is_empty() {
@@ -40,41 +36,38 @@ pub(super) fn carry(trial: &Trial, found: &Found, interactions: &mut [Interactio
     }
     for (contact, c) in contacts.0.iter().zip(interactions) {
         let b = contact.b as usize;
+        let lever = contact.point(bodies) - bodies.positions[b];
         if b >= bodies.particles && bodies.group(b).is_some() {
-            *c = c.carried_by(false, contact.b, contact.point(bodies) - bodies.positions[b]);
+            *c = c.carried_by(false, contact.b, lever);
             continue;
         }
-        let Ok(k) = turning.binary_search_by_key(&contact.b, |t| t.wall.body) else { continue };
-        let at = bodies.positions[contact.b as usize];
-        let lever = contact.point(bodies) - at;
+        let Ok(k) = turning.binary_search_by_key(&contact.b, |(wall, ..)| wall.body) else {
+            continue;
+        };
         *c = c.carried_by(false, contact.b, lever);
         // A pass has the exact gap already.
-        if found.corrections.of((contact.a, contact.b)).is_none() {
-            c.offset += turning[k].beyond_first_order(bodies, contact, lever).unwrap_or(0.0);
+        if corrections.of((contact.a, contact.b)).is_none() {
+            c.offset += beyond_first_order(bodies, contact, lever, turning[k]).unwrap_or(0.0);
         }
     }
 }
 
-impl Turning<'_> {
-    /// Gap at the end of the trial between the turned wall and a disk that stays, less the gap to
-    /// first order, m. `None` where the wall passes over its centre.
-    fn beyond_first_order(
-        &self,
-        bodies: &BodyTable,
-        contact: &Contact,
-        lever: DVec2,
-    ) -> Option<f64> {
-        let (u, angle) = self.motion;
-        let Self { wall, .. } = self;
-        let a = contact.a as usize;
-        let start = bodies.positions[a] - bodies.positions[contact.b as usize];
-        let finish = start - u;
-        let back = DVec2::from_angle(-angle).rotate(finish);
-        if wall.shape.is_crossed(wall.inward, wall.half_length, [start, back]) {
-            return None;
-        }
-        let near = wall.turned(angle).nearest(DVec2::ZERO, finish);
-        let linear = contact.gap + contact.normal.dot(u + angle * lever.perp());
-        Some(near.distance - bodies.radii[a] - linear)
+/// Gap at the end of the trial between the turned wall and a disk that stays, less the gap to first
+/// order, m. `None` where the wall passes over its centre.
+fn beyond_first_order(
+    bodies: &BodyTable,
+    contact: &Contact,
+    lever: DVec2,
+    (wall, u, angle): Turning,
+) -> Option<f64> {
+    let a = contact.a as usize;
+    let start = bodies.positions[a] - bodies.positions[contact.b as usize];
+    let finish = start - u;
+    let back = DVec2::from_angle(-angle).rotate(finish);
+    if wall.shape.is_crossed(wall.inward, wall.half_length, [start, back]) {
+        return None;
     }
+    let near = wall.turned(angle).nearest(DVec2::ZERO, finish);
+    let linear = contact.gap + contact.normal.dot(u + angle * lever.perp());
+    Some(near.distance - bodies.radii[a] - linear)
 }

@@ -5,11 +5,12 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{BodyTable, Contact};
+use clastic_components::contact::BodyTable;
 use clastic_components::contact_history::ContactHistory;
 use clastic_cone::adjacency::Adjacency;
 use clastic_cone::program::{ConeProgram, Dof, Interaction};
 
+use super::Trial;
 use crate::measures::fragments::{join, root};
 
 /// Whether an interaction is stiff at the start of the increment: a bond, or a closed contact.
@@ -18,30 +19,20 @@ fn is_stiff(c: &Interaction, (a, b): (u32, u32), history: &ContactHistory) -> bo
     c.limits.has_strength() || c.offset <= 0.0 || history.get(a, b).is_some_and(|m| m.p > 0.0)
 }
 
-fn free_dofs(program: &ConeProgram, body: usize) -> usize {
-    program.bodies[body].dofs.iter().filter(|d| matches!(d, Dof::Free(_))).count()
-}
-
 /// Flags every underconstrained body.
-pub fn find_underconstrained(
-    bodies: &BodyTable,
-    contacts: &[Contact],
-    history: &ContactHistory,
-    program: &ConeProgram,
-) -> Vec<bool> {
+pub(super) fn find_underconstrained(trial: &Trial, program: &ConeProgram) -> Vec<bool> {
+    let Trial { bodies, contacts, history, .. } = trial;
     let n = program.bodies.len();
     // In the program a member of a rigid group has the row of the group.
-    let pair = |k: usize, c: &Interaction| contacts.get(k).map_or((c.a, c.b), |x| (x.a, x.b));
+    let pair = |k: usize, c: &Interaction| contacts.0.get(k).map_or((c.a, c.b), |x| (x.a, x.b));
     let stiff: Vec<&Interaction> = program
         .interactions
         .iter()
         .enumerate()
-        .filter(|(k, c)| is_stiff(c, pair(*k, c), history))
+        .filter(|(k, c)| is_stiff(c, pair(*k, c), &history.0))
         .map(|(_, c)| c)
         .collect();
-    let held = |c: &Interaction| {
-        1 + usize::from(c.limits.has_shear()) + usize::from(c.limits.has_rolling())
-    };
+    let held = |c: &Interaction| c.limits.forces().into_iter().filter(|has| *has).count();
     let adjacency = Adjacency::new(n, stiff.iter().map(|c| [c.a as usize, c.b as usize]));
     let mut constraints = vec![0; n];
     for c in &stiff {
@@ -50,7 +41,7 @@ pub fn find_underconstrained(
         }
     }
     let mut found = vec![false; n];
-    let mut freedom: Vec<usize> = (0..n).map(|i| free_dofs(program, i)).collect();
+    let mut freedom: Vec<usize> = program.bodies.iter().map(|body| body.free().count()).collect();
     // The cell cannot lack constraints.
     if let Some(cell) = &program.cell {
         freedom[cell.body as usize] = 0;
@@ -71,17 +62,13 @@ pub fn find_underconstrained(
     }
     for cluster in clusters(program, &stiff, &found, &freedom) {
         // One particle is held, and a periodic cell does not turn.
-        let is_held = |i: &usize| program.bodies[*i].dofs[..2].iter().all(is_fixed);
+        let is_held = |i: &usize| program.bodies[*i].free().all(|(k, _)| k == 2);
         if program.cell.is_some() && cluster.iter().any(is_held) {
             continue;
         }
         hold_cluster(bodies, program, &stiff, &adjacency, &freedom, &cluster, &mut found);
     }
     found
-}
-
-fn is_fixed(dof: &Dof) -> bool {
-    matches!(dof, Dof::Fixed(_))
 }
 
 /// Connected clusters of bodies with free degrees of freedom.
@@ -128,7 +115,13 @@ fn hold_cluster(
         .map(|i| bodies.positions[*i].distance(centre))
         .fold(bodies.mean_radius, f64::max);
     let mut gram = vec![vec![0.0; unknowns]; unknowns];
-    let mut add = |row: &[f64]| {
+    // A constraint on the rigid motion of the cluster, and on that of one of its walls.
+    let mut add = |motion: [f64; 3], wall: Option<(usize, f64)>| {
+        let mut row = vec![0.0; unknowns];
+        row[..3].copy_from_slice(&motion);
+        if let Some((wall, along)) = wall {
+            row[3 + wall] = along;
+        }
         for (i, x) in row.iter().enumerate() {
             for (j, y) in row.iter().enumerate() {
                 gram[i][j] += x * y;
@@ -140,18 +133,13 @@ fn hold_cluster(
         // Rigid motion of the cluster along d, at body i.
         let along = |d: DVec2| [d.x, d.y, arm.x * d.y - arm.y * d.x];
         for (k, dof) in program.bodies[i].dofs.iter().enumerate() {
-            let mut row = vec![0.0; unknowns];
             match dof {
-                Dof::Free(_) => continue,
-                Dof::Fixed(_) if k < 2 => {
-                    row[..3].copy_from_slice(&along(if k == 0 { DVec2::X } else { DVec2::Y }));
-                }
+                Dof::Fixed(_) if k < 2 => add(along([DVec2::X, DVec2::Y][k]), None),
                 // A group whose rotation is imposed does not turn with the cluster.
-                Dof::Fixed(_) if i >= bodies.first_group() => row[2] = 1.0,
+                Dof::Fixed(_) if i >= bodies.first_group() => add([0.0, 0.0, 1.0], None),
                 // A disk without a rotation row turns freely and does not hold the cluster.
-                Dof::Fixed(_) => continue,
+                Dof::Fixed(_) | Dof::Free(_) => {}
             }
-            add(&row);
         }
         for &k in adjacency.of(i) {
             let c = stiff[k];
@@ -164,22 +152,16 @@ fn hold_cluster(
             // A wall that is no line may be pushed along its axis by friction as well.
             let mut hold = |axis: DVec2, [arm_a, arm_b]: [f64; 2]| {
                 let (direction, arm) = if first { (axis, arm_a) } else { (-axis, arm_b) };
-                let mut row = vec![0.0; unknowns];
-                row[..3].copy_from_slice(&along(direction));
-                row[2] += arm / extent;
-                if let Some(w) = wall {
-                    row[3 + w] = -direction.dot(program.bodies[other].axis);
-                }
-                add(&row);
+                let [x, y, turn] = along(direction);
+                let of_wall = wall.map(|w| (w, -direction.dot(program.bodies[other].axis)));
+                add([x, y, turn + arm / extent], of_wall);
             };
             hold(c.normal, [c.normal_arm_a, c.normal_arm_b]);
             if c.limits.has_shear() {
                 hold(c.normal.perp(), [c.arm_a, c.arm_b]);
             }
             if c.limits.has_rolling() {
-                let mut roll = vec![0.0; unknowns];
-                roll[2] = bodies.mean_radius / extent;
-                add(&roll);
+                add([0.0, 0.0, bodies.mean_radius / extent], None);
             }
         }
     }

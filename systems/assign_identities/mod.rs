@@ -6,21 +6,20 @@ mod joint;
 mod tests;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::archetype::Archetype;
-use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::lifecycle::{ComponentHooks, HookContext};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
 use clastic_components::body::{BodyId, BodyOrigin, BodyPosition};
 use clastic_components::bond::{Bond, BondId, BondState, Joint};
 use clastic_components::contact_history::{ContactHistory, KeptRows};
+use clastic_components::link::Link;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
 use clastic_components::wall::Wall;
 
 use crate::identities::{IdentityTable, NEXT_IDENTITIES};
-use crate::links::end_links_of;
-use crate::state::RegisterState;
+use crate::state::{RegisterState, despawn_if};
 
 /// Adds the component hooks that assign identities.
 ///
@@ -31,15 +30,14 @@ pub struct AssignIdentitiesPlugin;
 impl Plugin for AssignIdentitiesPlugin {
     fn build(&self, app: &mut App) {
         let world = app.world_mut();
-        refuse_earlier(world);
+        hooks::<Particle>(world).on_add(body_added);
+        hooks::<Wall>(world).on_add(body_added);
+        hooks::<RigidGroup>(world).on_add(body_added);
+        hooks::<BodyId>(world).on_insert(body_named).on_discard(body_gone);
+        hooks::<Bond>(world).on_add(bond_added);
+        hooks::<BondId>(world).on_insert(bond_named).on_discard(bond_gone);
+        hooks::<Joint>(world).on_add(joined);
         world.init_resource::<IdentityTable>();
-        world.register_component_hooks::<Particle>().on_add(body_added);
-        world.register_component_hooks::<Wall>().on_add(body_added);
-        world.register_component_hooks::<RigidGroup>().on_add(body_added);
-        world.register_component_hooks::<BodyId>().on_insert(body_named).on_discard(body_gone);
-        world.register_component_hooks::<Bond>().on_add(bond_added);
-        world.register_component_hooks::<BondId>().on_insert(bond_named).on_discard(bond_gone);
-        world.register_component_hooks::<Joint>().on_add(joined);
         // Identities are the first state, because the entities are created from them.
         app.register_part(
             NEXT_IDENTITIES,
@@ -49,23 +47,15 @@ impl Plugin for AssignIdentitiesPlugin {
     }
 }
 
-/// Panics if an entity has had a component to which a hook is added.
-fn refuse_earlier(world: &mut World) {
-    let hooked = [
-        world.register_component::<Particle>(),
-        world.register_component::<Wall>(),
-        world.register_component::<RigidGroup>(),
-        world.register_component::<BodyId>(),
-        world.register_component::<Bond>(),
-        world.register_component::<BondId>(),
-        world.register_component::<Joint>(),
-    ];
-    let has_any = |archetype: &Archetype| hooked.iter().any(|id| archetype.contains(*id));
+/// The hooks of a component; panics if an entity has had it.
+fn hooks<C: Component>(world: &mut World) -> &mut ComponentHooks {
+    let id = world.register_component::<C>();
     assert!(
-        !world.archetypes().iter().any(has_any),
+        !world.archetypes().iter().any(|archetype| archetype.contains(id)),
         "the world had bodies or bonds before the plugin that assigns their identities; add \
          ClasticPlugins before the first of them"
     );
+    world.register_component_hooks::<C>()
 }
 
 /// Why a body or a bond is refused.
@@ -93,10 +83,7 @@ pub enum IdentityError {
     },
     /// An entity has two of `Particle`, `Wall` and `RigidGroup`.
     #[error("entity {0} is two of Particle, Wall and RigidGroup; spawn one entity for each body")]
-    TwoBodies(
-        /// The entity.
-        Entity,
-    ),
+    TwoBodies(Entity),
     /// The two entities cannot be joined.
     #[error("Bond::between({a}, {b}): {what}")]
     Joint {
@@ -126,14 +113,8 @@ fn body_added(mut world: DeferredWorld, context: HookContext) {
             }
         }
         let place = body.get::<BodyPosition>().map_or_else(Default::default, |x| x.0);
-        let (has_id, has_origin) = (body.contains::<BodyId>(), body.contains::<BodyOrigin>());
-        if !has_id {
-            let id = BodyId(world.get_resource_or_init::<IdentityTable>().bodies.next());
-            world.entity_mut(entity).insert(id);
-        }
-        if !has_origin {
-            world.entity_mut(entity).insert(BodyOrigin(place));
-        }
+        let id = BodyId(world.get_resource_or_init::<IdentityTable>().bodies.next);
+        world.entity_mut(entity).insert_if_new(id).insert_if_new(BodyOrigin(place));
         Ok(())
     });
 }
@@ -176,7 +157,7 @@ fn body_gone(mut world: DeferredWorld, context: HookContext) {
         for bond in ended {
             world.despawn(bond);
         }
-        end_links_of(world, id);
+        despawn_if(world, |link: &Link| link.a == id || link.b == id);
     });
 }
 
@@ -185,7 +166,7 @@ fn bond_added(mut world: DeferredWorld, context: HookContext) {
     let entity = context.entity;
     world.commands().queue(move |world: &mut World| {
         if world.get_entity(entity).is_ok_and(|bond| !bond.contains::<BondId>()) {
-            let id = BondId(world.get_resource_or_init::<IdentityTable>().bonds.next());
+            let id = BondId(world.get_resource_or_init::<IdentityTable>().bonds.next);
             world.entity_mut(entity).insert(id);
         }
     });

@@ -74,9 +74,7 @@ pub(super) fn unlisted_pairs(
     } else if candidates.is_complete(disks, radii, reach) {
         candidates.within(disks, radii, reach).collect()
     } else {
-        let mut found = Vec::new();
-        pairs_within(disks, radii, reach, &mut found);
-        found
+        pairs_within(disks, radii, reach)
     };
     // Both lists are sorted.
     let mut listed = contacts.0.iter().map(|c| (c.a, c.b)).peekable();

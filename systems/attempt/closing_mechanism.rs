@@ -53,8 +53,7 @@ pub fn judge(
     let reach = 2.0 * Acceptance::MAX_TRAVEL * bodies.mean_radius;
     let near = unlisted_pairs(bodies, &candidates, contacts, &start, reach);
     let touched = |wall: u32| history.0.0.iter().any(|m| m.b == wall && m.p > 0.0);
-    let coming = bodies.walls.iter().filter(|w| travel(w) > 0.0);
-    let coming = coming.filter(|w| !touched(w.body));
+    let coming = bodies.walls.iter().filter(|w| travel(w) > 0.0 && !touched(w.body));
     let walls = coming.flat_map(|w| (0..bodies.particles as u32).map(|a| (a, w.body)));
     let walls = walls.filter(|pair| !is_listed(contacts, *pair));
     let closing: Vec<(u32, u32)> = near.into_iter().chain(walls).filter(closes).collect();

@@ -44,10 +44,7 @@ pub fn judge(
         SolveStatus::Collapsed
             if attempt.mode == Mode::Equilibrium(Effort::Usual) && !program.has_bonds() =>
         {
-            Verdict::Unconverged(format!(
-                "no equilibrium is near{}",
-                most_moved(&bodies, &program, solution, ": ")
-            ))
+            Verdict::Unconverged(format!("no equilibrium is near{}", most_moved(solved, ": ")))
         }
         // The status of the solver alone is not sufficient.
         SolveStatus::Collapsed => match recheck(&program, solution) {
@@ -57,7 +54,7 @@ pub fn judge(
             }
             None => Verdict::Unconverged(format!(
                 "the solver reports a collapse that it cannot prove{}",
-                most_moved(&bodies, &program, solution, ", in which ")
+                most_moved(solved, ", in which ")
             )),
         },
         SolveStatus::Locked => Verdict::Locked,
@@ -78,8 +75,7 @@ pub fn judge(
     };
     let fails =
         matches!(attempt.verdict, Verdict::Impossible | Verdict::Locked | Verdict::Unconverged(_));
-    let in_pass = fails && corrections.passes > 0;
-    if in_pass {
+    if fails && corrections.passes > 0 {
         // A guess of the end proves nothing.
         let why = match std::mem::take(&mut attempt.verdict) {
             Verdict::Unconverged(why) => why,
@@ -118,15 +114,10 @@ pub(super) fn impossible_or(
 }
 
 /// The body that moves most in the mechanism of a collapse, behind these words; empty without one.
-fn most_moved(
-    bodies: &BodyTable,
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    words: &str,
-) -> String {
+fn most_moved(Solved { bodies, program, solution, .. }: Solved, words: &str) -> String {
     let mechanism = solution.certificate.as_ref();
     let most = mechanism.and_then(|m| moves_most(bodies, program, &m.mechanism));
-    most.map_or(String::new(), |(body, _)| format!("{words}{body} moves most"))
+    most.map_or(String::new(), |most| format!("{words}{most}"))
 }
 
 /// Recomputes the certificate of a collapse; `None` if it proves nothing.

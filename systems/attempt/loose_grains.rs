@@ -148,8 +148,7 @@ fn have_left(bodies: &BodyTable, gravity: DVec2, grains: &[usize]) -> bool {
     if down == DVec2::ZERO || bodies.cell.is_some() {
         return false;
     }
-    let n = bodies.particles;
-    let others = (0..n).filter(|i| grains.binary_search(i).is_err());
+    let others = (0..bodies.particles).filter(|i| grains.binary_search(i).is_err());
     let others = others.map(|i| bodies.positions[i].dot(down) + bodies.radii[i]);
     let walls = bodies.walls.iter().map(|wall| match wall.shape {
         // An infinite line catches what falls on its inner side.

@@ -1,12 +1,10 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
-//! Judges run in this order, each only if no judge before it objects: [`converged`], [`coulomb`],
-//! [`events`], [`closed_pairs`], [`ending`], [`too_far`], [`closing_mechanism`],
-//! [`loose_grains`], [`push_out`], [`reached`], [`through_walls`], [`dense`]. [`bonds::collect`] then takes
-//! the bonds on a limit where no judge has chosen others. For a step of a motion only [`converged`],
-//! [`coulomb`], [`motion::judge_length`], [`closed_pairs`], [`through_walls`] and
-//! [`motion::judge_rest`] run. The tables of [`findings`](clastic_components::findings) keep their
-//! findings until the increment is committed. Only judges set a verdict, and [`mod@next`] alone maps it to the next action.
+//! Judges run in the order in which [`AttemptPlugin`] adds them, each only if no judge before it
+//! objects, and of a step of a motion only some. [`bonds::collect`] then takes the bonds on a limit
+//! where no judge has chosen others. The tables of [`findings`](clastic_components::findings) keep
+//! their findings until the increment is committed. Only judges set a verdict, and [`mod@next`]
+//! alone maps it to the next action.
 //!
 //! Attempts work on the tables that were gathered when the increment began. Entities are written
 //! when it is committed, so a failed attempt changes nothing.

@@ -7,9 +7,9 @@
 //! end of the trial, and stresses act on the current distances between walls. The first step makes the
 //! imposed motions of the trial: it may be these that destroy the equilibrium. After it, and in the
 //! equilibrium that follows, they stand still. A motion that a rupture releases has no imposed motion.
-//! Velocities are set to zero when the kinetic energy falls: the motion loses the energy that it
-//! has gained since its last maximum, and comes to rest without overshoot. Bonds that reach a limit
-//! on the way break. The equilibrium at the end contains no inertia.
+//! By kinetic damping the motion loses the energy that it has gained since its last maximum, and
+//! comes to rest without overshoot. Bonds that reach a limit on the way break. The equilibrium at
+//! the end contains no inertia.
 //!
 //! With [`Avalanche::Dynamic`](clastic_components::increment::Avalanche) the motion that a rupture
 //! releases is followed as well. Which bonds break in it depends on where waves carry the force of
@@ -103,22 +103,17 @@ fn aimed(acceptance: &Acceptance) -> f64 {
     acceptance.motion_step.min(0.5 * Acceptance::MAX_TRAVEL)
 }
 
-/// Maximum number of steps of all motions of one increment, rejected ones included.
-#[must_use]
-pub fn max_steps(acceptance: &Acceptance, settings: &MotionSettings) -> u32 {
-    (settings.max_travel / aimed(acceptance)).ceil() as u32
-}
-
 /// Whether the increment has a step of a motion left.
 #[must_use]
 pub fn has_step(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSettings) -> bool {
     let motion = attempt.motion();
     let released = attempt.released_steps;
+    let max_steps = (settings.max_travel / aimed(acceptance)).ceil() as u32;
     motion.map_or(0, |motion| motion.failures) < settings.max_failures
         && if motion.is_some_and(|motion| motion.released) {
             released < settings.max_released_steps
         } else {
-            attempt.motion_steps - released < max_steps(acceptance, settings)
+            attempt.motion_steps - released < max_steps
         }
 }
 
@@ -190,10 +185,6 @@ pub fn judge_rest(
     let far = furthest(solved).map_or(0.0, |(_, far)| far);
     let Some(motion) = attempt.motion() else { return };
     let Solved { bodies, program, solution, .. } = solved;
-    let last = || {
-        moves_most(bodies, program, &solution.displacements)
-            .map_or(String::new(), |(body, _)| format!(" ({body} moves most)"))
-    };
     let is_free = motion.weight <= settings.min_weight;
     // A step is solved loosely, and forces beyond the bound are none of an equilibrium.
     let is_balanced = solution.residuals.worst() <= Sliding::bound(&acceptance);
@@ -216,12 +207,13 @@ pub fn judge_rest(
         }
         return;
     }
+    let most = moves_most(bodies, program, &solution.displacements);
     let gives_way = format!(
         "the motion under constant loads does not come to rest: its furthest grains travelled more \
          than {} radii in {} steps{}",
         settings.travel_to_rest,
         motion.steps + 1,
-        last()
+        most.map_or(String::new(), |most| format!(" ({most})"))
     );
     let goes_on = has_step(&attempt, &acceptance, &settings) && may_fall(travelled, &settings);
     attempt.verdict = match lost(solved, analysis.gravity, goes_on) {
@@ -288,8 +280,7 @@ fn move_tables(world: &mut World) {
     release(broken.iter(), Laws::of(world), solved.contacts, &mut history);
     let displacements = solved.program.bodies.iter().zip(&solved.solution.displacements);
     let moved: Vec<_> = displacements.map(|(body, u)| body.to_global(*u)).collect();
-    let ledger = world.contains_resource::<EnergyLedger>();
-    if ledger {
+    if world.contains_resource::<EnergyLedger>() {
         crate::energy_ledger::book_step(world, &history, &moved, &broken);
     }
     let mut bodies = world.resource_mut::<BodyTable>();

@@ -6,9 +6,7 @@ use clastic_components::motion::Motion;
 /// Options that an increment still has.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Budget {
-    /// Whether motions can be followed, which requires static analysis.
-    pub follows: bool,
-    /// Whether another motion may begin.
+    /// Whether another motion may begin, which requires static analysis.
     pub motion: bool,
     /// Whether another step of a motion is allowed.
     pub step: bool,
@@ -69,7 +67,7 @@ pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
 }
 
 fn after_equilibrium(effort: Effort, verdict: &Verdict, budget: Budget) -> Next {
-    let can_follow = budget.follows && budget.motion && budget.step;
+    let can_follow = budget.motion && budget.step;
     let lost = || if can_follow { Next::Follow } else { smaller(budget) };
     match verdict {
         Verdict::Sound => Next::End(IncrementStatus::Solved),
@@ -125,7 +123,6 @@ mod tests {
     use super::*;
 
     const ALL: Budget = Budget {
-        follows: true,
         motion: true,
         step: true,
         half: true,
@@ -168,15 +165,14 @@ mod tests {
 
     fn budgets() -> impl Iterator<Item = Budget> {
         let is = |bits: u32, k: u32| bits & (1 << k) != 0;
-        (0..256).map(move |bits| Budget {
-            follows: is(bits, 0),
-            motion: is(bits, 1),
-            step: is(bits, 2),
-            half: is(bits, 3),
-            searches: is(bits, 4),
-            shrinks: is(bits, 5),
-            is_proved: is(bits, 6),
-            breaks: is(bits, 7),
+        (0..128).map(move |bits| Budget {
+            motion: is(bits, 0),
+            step: is(bits, 1),
+            half: is(bits, 2),
+            searches: is(bits, 3),
+            shrinks: is(bits, 4),
+            is_proved: is(bits, 5),
+            breaks: is(bits, 6),
         })
     }
 
@@ -246,7 +242,7 @@ mod tests {
         every(|mode, verdict, budget, next| {
             let at = || format!("{mode:?} {verdict:?} {budget:?}");
             match next {
-                Next::Follow => assert!(budget.follows && budget.motion && budget.step, "{}", at()),
+                Next::Follow => assert!(budget.motion && budget.step, "{}", at()),
                 Next::Move | Next::Shorten => assert!(budget.step, "{}", at()),
                 Next::Halve => assert!(budget.half, "{}", at()),
                 Next::OneRound => assert!(budget.searches && !budget.half, "{}", at()),
@@ -266,8 +262,7 @@ mod tests {
                 if let (Mode::Equilibrium(_), Verdict::TooFar(_) | Verdict::Released) =
                     (mode, verdict)
                 {
-                    let may_follow = budget.follows && budget.motion && budget.step;
-                    assert!(!may_follow, "{budget:?}");
+                    assert!(!(budget.motion && budget.step), "{budget:?}");
                 }
             }
         });
@@ -325,7 +320,7 @@ mod tests {
 
     #[test]
     fn efforts_grow_and_end() {
-        let all = Budget { follows: false, motion: false, step: false, half: false, ..ALL };
+        let all = Budget { motion: false, step: false, half: false, ..ALL };
         let mut effort = Effort::Usual;
         let mut seen = vec![effort];
         let verdict = Verdict::Unconverged(String::new());

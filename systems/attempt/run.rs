@@ -18,6 +18,7 @@ use crate::mechanism::share;
 use crate::motion_settings::MotionSettings;
 use crate::rupture::events;
 use crate::schedule::{AddTrialLoads, AttemptIncrement, ClasticHalted};
+use crate::solved::Solved;
 
 /// Runs [`AttemptIncrement`] until the increment has ended.
 pub fn run_attempts(world: &mut World) {
@@ -167,9 +168,8 @@ impl Start {
             ruptures: world.resource::<Ruptures>().clone(),
             energies: world.resource::<MotionEnergies>().clone(),
             proof: world.resource::<Attempt>().is_proved.then(|| {
-                let (contacts, program) =
-                    (world.resource::<ContactTable>(), world.resource::<ConeProgram>());
-                (contacts.clone(), program.clone(), world.resource::<ConeSolution>().clone())
+                let Solved { contacts, program, solution, .. } = Solved::of(world);
+                (contacts.clone(), program.clone(), solution.clone())
             }),
         }
     }
@@ -225,9 +225,9 @@ fn budget(world: &World) -> Budget {
     // The limit refers to a whole increment and not to the last fraction. Otherwise a specimen
     // without equilibrium would continue in ever smaller steps.
     let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
+    let is_static = world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static;
     Budget {
-        follows: world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static,
-        motion: attempt.motions < settings.max_motions,
+        motion: is_static && attempt.motions < settings.max_motions,
         step: motion::has_step(attempt, world.resource(), settings),
         half: 0.5 * world.resource::<ClasticProgress>().fraction >= finest,
         searches: search.active,
@@ -273,12 +273,9 @@ fn end_increment(world: &mut World, status: IncrementStatus, start: Option<&Star
     } else {
         world.resource_mut::<EventSearch>().in_avalanche = false;
     }
-    let capped = world.resource::<Sliding>().capped;
-    let status = match status {
-        IncrementStatus::Solved if capped => IncrementStatus::Capped,
-        status => status,
-    };
-    if matches!(status, IncrementStatus::Collapsed) {
+    let is_capped = status == IncrementStatus::Solved && world.resource::<Sliding>().capped;
+    let status = if is_capped { IncrementStatus::Capped } else { status };
+    if status == IncrementStatus::Collapsed {
         // A collapse does not commit the motion.
         put_back(world, start);
         if let Some((contacts, program, solution)) = start.and_then(|start| start.proof.clone()) {

@@ -2,10 +2,11 @@
 
 use clastic_components::body::{BodyDrive, Ramp};
 use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::BodyTable;
+use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::domain::{PLACE, RADIUS, SPIN, VELOCITY};
 use clastic_components::increment::ClasticAnalysis;
 use clastic_components::particle::Particle;
+use clastic_components::rigid_group::GroupRow;
 use clastic_components::wall::WallDrive;
 use clastic_components::wall_shape::WallShape;
 
@@ -37,8 +38,7 @@ pub(super) fn particle(bodies: &BodyTable, i: usize, materials: usize) -> Option
         })
 }
 
-pub(super) fn wall(bodies: &BodyTable, k: usize) -> Option<Bad> {
-    let wall = &bodies.walls[k];
+pub(super) fn wall(bodies: &BodyTable, wall: &WallRow) -> Option<Bad> {
     let length = wall.half_length;
     let drive = match wall.drive {
         WallDrive::Imposed(u) => [u.x, u.y, 0.0],
@@ -56,7 +56,7 @@ pub(super) fn wall(bodies: &BodyTable, k: usize) -> Option<Bad> {
         .or_else(|| laws::of_contact(&wall.law))
         .or_else(|| {
             let wanted = "displacements in m, forces in N and angles in rad";
-            drive.into_iter().filter_map(|value| finite("WallDrive", value, wanted)).next()
+            drive.into_iter().find_map(|value| finite("WallDrive", value, wanted))
         })
 }
 
@@ -67,13 +67,12 @@ fn arc(shape: &WallShape) -> Option<Bad> {
         .or_else(|| bad("half_angle of its arc", half_angle, is_angle, "an angle above 0 in rad"))
         .or_else(|| {
             let all = [centre.x, centre.y, axis.x, axis.y];
-            all.into_iter().filter_map(|x| finite("WallShape", x, "a place and an axis")).next()
+            all.into_iter().find_map(|x| finite("WallShape", x, "a place and an axis"))
         })
 }
 
 /// A rigid group.
-pub(super) fn group(bodies: &BodyTable, k: usize) -> Option<Bad> {
-    let group = &bodies.groups[k];
+pub(super) fn group(bodies: &BodyTable, group: &GroupRow) -> Option<Bad> {
     place(bodies, group.body as usize)
         .or_else(|| drives(&group.drives))
         .or_else(|| loads(&group.loads))
@@ -87,12 +86,12 @@ pub(super) fn cell(cell: &PeriodicCell) -> Option<Bad> {
         .or_else(|| side("height", cell.height))
         .or_else(|| finite("tilt", cell.tilt, "a length in m"))
         .or_else(|| {
-            let ends = cell.controls.iter().flat_map(|control| match *control {
+            let mut ends = cell.controls.iter().flat_map(|control| match *control {
                 CellControl::Imposed(u) => [u, u],
                 CellControl::Stress { from, to } => [from, to],
             });
             let wanted = "displacements in m and stresses in Pa";
-            ends.filter_map(|value| finite("controls", value, wanted)).next()
+            ends.find_map(|value| finite("controls", value, wanted))
         })
 }
 
@@ -116,8 +115,6 @@ fn loads(loads: &[Ramp; 3]) -> Option<Bad> {
 }
 
 fn drives(drives: &[BodyDrive; 3]) -> Option<Bad> {
-    drives.iter().find_map(|drive| match drive {
-        BodyDrive::Imposed(u) => finite("BodyDrives", *u, "displacements in m and an angle in rad"),
-        BodyDrive::Free => None,
-    })
+    let wanted = "displacements in m and an angle in rad";
+    drives.iter().find_map(|drive| finite("BodyDrives", drive.imposed()?, wanted))
 }

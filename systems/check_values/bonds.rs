@@ -3,15 +3,19 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
-use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::BodyTable;
+use clastic_components::bond::{BondId, BondState};
+use clastic_components::contact::{BodyTable, BondRow};
 
 use super::bad::{Bad, finite};
 use super::laws;
+use crate::gather_bodies::BondData;
 
-/// The first bond of the tables without a meaning, with its entity and the name of the bond.
-pub(super) fn in_tables(bodies: &BodyTable) -> Option<(BondId, Entity, String, Bad)> {
-    let pair = |bond: &clastic_components::rows::BondRow| {
+/// A bond without a meaning, with its entity and the name of the pair that it joins.
+pub(super) type BadBond = (BondId, Entity, String, Bad);
+
+/// The first bond of the tables without a meaning.
+pub(super) fn in_tables(bodies: &BodyTable) -> Option<BadBond> {
+    let pair = |bond: &BondRow| {
         let [a, b] = [bond.a, bond.b].map(|row| bodies.name(row as usize));
         format!("of {a} and {b}")
     };
@@ -49,10 +53,7 @@ pub(super) fn in_tables(bodies: &BodyTable) -> Option<(BondId, Entity, String, B
 
 /// The first intact bond to a body that does not exist. Bonds end with their bodies, so that only
 /// such a bond, or one within a rigid group, has no row.
-pub(super) fn loose(
-    bodies: &BodyTable,
-    bonds: &Query<(Entity, &BondId, &Bond, &BondState)>,
-) -> Option<(BondId, Entity, String, Bad)> {
+pub(super) fn loose(bodies: &BodyTable, bonds: &Query<BondData>) -> Option<BadBond> {
     let intact = || bonds.iter().filter(|(.., state)| **state == BondState::Intact);
     if intact().count() == bodies.bonds.len() {
         return None;

@@ -48,8 +48,8 @@ fn points(table: Option<&WallTable>) -> Option<Bad> {
         return Some(Bad::new("WallTable", "missing", "the points of its control by `Table`"));
     };
     let ordered = points.is_sorted_by(|a, b| a[0] < b[0]);
-    let values = points.iter().flatten().copied();
-    values.filter_map(|value| finite("WallTable", value, "finite points")).next().or_else(|| {
+    let mut values = points.iter().flatten().copied();
+    values.find_map(|value| finite("WallTable", value, "finite points")).or_else(|| {
         (!ordered).then(|| Bad::new("WallTable", points, "points in ascending order of s"))
     })
 }

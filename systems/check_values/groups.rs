@@ -42,7 +42,7 @@ fn of(bodies: &BodyTable, kind: AnalysisKind, id: BodyId, group: &RigidGroup) ->
         Some(Bad::new("a member", bodies.ids[*member as usize], wanted))
     };
     let pivot = || {
-        let is_held = own.drives[..2].iter().all(|drive| matches!(drive, BodyDrive::Imposed(_)));
+        let is_held = own.drives[..2].iter().all(|drive| *drive != BodyDrive::Free);
         let is_loose = group.has_pivot && !is_held && matches!(kind, AnalysisKind::Dynamic { .. });
         let wanted = "false, or `BodyDrives` that impose both translations of the pivot: a time step has no \
                       terms for a pivot that moves freely";

@@ -2,18 +2,19 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::bond::{Bond, BondId, BondState};
+use clastic_components::bond::{Bond, BondState};
 use clastic_components::contact::BodyTable;
 use clastic_components::domain::{COMPLIANCE, PLACE};
 use clastic_components::link::{Link, LinkKind};
 
 use super::bad::{self, Bad, outside};
+use crate::gather_bodies::BondData;
 
 /// The first link without a meaning, in words.
 pub(super) fn bad(
     bodies: &BodyTable,
     links: &Query<(Entity, &Link)>,
-    bonds: &Query<(Entity, &BondId, &Bond, &BondState)>,
+    bonds: &Query<BondData>,
 ) -> Option<String> {
     // A rigid group has a row, but no rotation; its members have.
     let is_known = |id| bodies.row(id).is_some_and(|row| row < bodies.rotations.len());
@@ -26,21 +27,14 @@ pub(super) fn bad(
     loose.next().or_else(|| of_rows(bodies, bonds))
 }
 
-fn of_rows(
-    bodies: &BodyTable,
-    bonds: &Query<(Entity, &BondId, &Bond, &BondState)>,
-) -> Option<String> {
+fn of_rows(bodies: &BodyTable, bonds: &Query<BondData>) -> Option<String> {
     bodies.links.iter().find_map(|link| {
-        let arms = link.arms.iter().flat_map(|arm| [arm.x, arm.y]);
+        let mut arms = link.arms.iter().flat_map(|arm| [arm.x, arm.y]);
         let length = || match link.kind {
             LinkKind::Length(length) => {
                 let is_length = length > 0.0 && length.is_finite();
-                bad::bad(
-                    "length",
-                    length,
-                    is_length,
-                    "a length in m above 0; `Link::hinge` has none",
-                )
+                let wanted = "a length in m above 0; `Link::hinge` has none";
+                bad::bad("length", length, is_length, wanted)
             }
             LinkKind::Hinge => None,
         };
@@ -58,8 +52,7 @@ fn of_rows(
             (a == b).then(|| Bad::new("b", bodies.ids[b as usize], "another body than a"))
         };
         let bad = arms
-            .filter_map(|arm| outside("on_a or on_b", arm, PLACE))
-            .next()
+            .find_map(|arm| outside("on_a or on_b", arm, PLACE))
             .or_else(itself)
             .or_else(length)
             .or_else(|| outside("compliance", link.compliance, COMPLIANCE))

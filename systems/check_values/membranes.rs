@@ -17,10 +17,7 @@ pub(super) fn bad(bodies: &BodyTable, membranes: &Query<&Membrane>) -> Option<St
 }
 
 fn of(bodies: &BodyTable, membrane: &Membrane) -> Option<Bad> {
-    let is_wall = |id: BodyId| {
-        let row = bodies.row(id);
-        row.is_some_and(|row| bodies.walls.iter().any(|wall| wall.body as usize == row))
-    };
+    let is_wall = |id: BodyId| bodies.row(id).is_some_and(|row| bodies.wall(row as u32).is_some());
     let walls = || {
         let Course::Between { first, second, .. } = membrane.course else { return None };
         let ends = [("first", first), ("second", second)];

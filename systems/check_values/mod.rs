@@ -19,15 +19,15 @@ use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
 
+use crate::gather_bodies::BondData;
 use crate::schedule::ClasticHalted;
 use clastic_components::body::BodyId;
-use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::contact::BodyTable;
+use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::link::Link;
 use clastic_components::material::Materials;
 use clastic_components::membrane::Membrane;
 use clastic_components::particle::Particle;
-use clastic_components::rigid_group::RigidGroup;
+use clastic_components::rigid_group::{GroupRow, RigidGroup};
 use clastic_components::wall::{WallName, WallSlide, WallTable};
 
 pub(crate) use self::loads::refused_load;
@@ -43,7 +43,7 @@ pub(crate) fn check_values(
     materials: Option<Res<Materials>>,
     (archetypes, components): (&Archetypes, &Components),
     particles: Query<(&BodyId, &Particle)>,
-    bonds: Query<(Entity, &BondId, &Bond, &BondState)>,
+    bonds: Query<BondData>,
     links: Query<(Entity, &Link)>,
     membranes: Query<&Membrane>,
     groups: Query<(&BodyId, &RigidGroup)>,
@@ -61,12 +61,6 @@ pub(crate) fn check_values(
         _ => format!("entity {entity}"),
     };
     let body = |row: usize| format!("{}, {},", bodies.name(row), called(bodies.entities[row]));
-    let of_setting = || settings.bad().map(|(name, bad)| bad.in_words(format_args!("`{name}`")));
-    let of_cell = || Some(bodies::cell(bodies.cell.as_ref()?)?.in_words("`PeriodicCell`"));
-    let lacking = || {
-        let (entity, bad) = missing::misfit(archetypes, components)?;
-        Some(bad.in_words(called(entity)))
-    };
     let list = materials.as_ref().map_or(&[][..], |materials| &materials.0);
     let of_material = || {
         list.iter().enumerate().find_map(|(i, material)| {
@@ -74,10 +68,7 @@ pub(crate) fn check_values(
             Some(bad.in_words(format_args!("material {i} (`{}`)", material.name)))
         })
     };
-    let of_particle = || {
-        (0..bodies.particles)
-            .find_map(|i| Some(bodies::particle(&bodies, i, list.len())?.in_words(body(i))))
-    };
+    let of_particle = |i| Some(bodies::particle(&bodies, i, list.len())?.in_words(body(i)));
     // In the order of identities: the first one found depends on the history of the world.
     let of_thickness = || {
         let bad = particles
@@ -86,39 +77,38 @@ pub(crate) fn check_values(
         let (id, bad) = bad.min_by_key(|(id, _)| *id)?;
         Some(bad.in_words(body(bodies.row(id)?)))
     };
-    let of_wall = || {
-        bodies.walls.iter().enumerate().find_map(|(k, wall)| {
-            let row = wall.body as usize;
-            let control = || {
-                let (table, slide) = controls.get(bodies.entities[row]).ok()?;
-                controls::control(wall, table, slide, settings.analysis.kind)
-            };
-            Some(bodies::wall(&bodies, k).or_else(control)?.in_words(body(row)))
-        })
+    let of_wall = |wall: &WallRow| {
+        let row = wall.body as usize;
+        let control = || {
+            let (table, slide) = controls.get(bodies.entities[row]).ok()?;
+            controls::control(wall, table, slide, settings.analysis.kind)
+        };
+        Some(bodies::wall(&bodies, wall).or_else(control)?.in_words(body(row)))
     };
-    let of_group = || {
-        bodies.groups.iter().enumerate().find_map(|(k, group)| {
-            Some(bodies::group(&bodies, k)?.in_words(body(group.body as usize)))
-        })
-    };
+    let of_group =
+        |group: &GroupRow| Some(bodies::group(&bodies, group)?.in_words(body(group.body as usize)));
     let of_bond = || {
         let bad = bonds::in_tables(&bodies).or_else(|| bonds::loose(&bodies, &bonds));
         let (id, entity, pair, bad) = bad?;
         Some(bad.in_words(format_args!("bond {}, {}, {pair}", id.0, called(entity))))
     };
-    let of_link = || links::bad(&bodies, &links, &bonds);
-    let message = of_setting()
-        .or_else(of_cell)
-        .or_else(lacking)
+    let message = settings
+        .bad()
+        .map(|(name, bad)| bad.in_words(format_args!("`{name}`")))
+        .or_else(|| Some(bodies::cell(bodies.cell.as_ref()?)?.in_words("`PeriodicCell`")))
+        .or_else(|| {
+            let (entity, bad) = missing::misfit(archetypes, components)?;
+            Some(bad.in_words(called(entity)))
+        })
         .or_else(of_material)
-        .or_else(of_particle)
+        .or_else(|| (0..bodies.particles).find_map(of_particle))
         .or_else(of_thickness)
-        .or_else(of_wall)
-        .or_else(of_group)
+        .or_else(|| bodies.walls.iter().find_map(of_wall))
+        .or_else(|| bodies.groups.iter().find_map(of_group))
         .or_else(|| groups::bad(&bodies, settings.analysis.kind, &groups))
         .or_else(|| membranes::bad(&bodies, &membranes))
         .or_else(of_bond)
-        .or_else(of_link);
+        .or_else(|| links::bad(&bodies, &links, &bonds));
     if let Some(message) = message {
         commands.insert_resource(ClasticHalted(message));
     }

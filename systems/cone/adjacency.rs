@@ -17,24 +17,11 @@ impl Adjacency {
     /// The neighbours of every body, ascending and each of them once.
     #[must_use]
     pub fn of_neighbours(bodies: usize, pairs: &[(u32, u32)]) -> Self {
-        let both = pairs.iter().map(|(a, b)| (*a as usize, *b as usize));
-        let mut all = Self::collect(bodies, both.flat_map(|(a, b)| [(a, b), (b, a)]));
-        let mut end = 0;
-        for body in 0..bodies {
-            let (start, first) = (all.starts[body], end);
-            let list = &mut all.entries[start..all.starts[body + 1]];
-            list.sort_unstable();
-            for k in start..all.starts[body + 1] {
-                if end == first || all.entries[end - 1] != all.entries[k] {
-                    all.entries[end] = all.entries[k];
-                    end += 1;
-                }
-            }
-            all.starts[body] = first;
-        }
-        all.starts[bodies] = end;
-        all.entries.truncate(end);
-        all
+        let pairs = pairs.iter().map(|(a, b)| (*a as usize, *b as usize));
+        let mut both: Vec<_> = pairs.flat_map(|(a, b)| [(a, b), (b, a)]).collect();
+        both.sort_unstable();
+        both.dedup();
+        Self::collect(bodies, both.into_iter())
     }
 
     /// Lists of the entries by body, in their order.

@@ -11,7 +11,7 @@ use clarabel::solver::{
     DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
 };
 
-use crate::program::{ConeProgram, ConeSolution, Dof, Interaction, SolveStatus};
+use crate::program::{ConeProgram, ConeSolution, Interaction, SolveStatus};
 
 use super::certificate::{certificate, locks, proves};
 use super::polish::{Point, PolishSettings, polish};
@@ -45,8 +45,8 @@ impl ConeSolver for Clarabel {
         _tolerance: f64,
     ) -> Result<ConeSolution, MalformedProgram> {
         let low = lower(program);
-        if let Some((body, dof)) = low.unbalanced {
-            return Ok(lonely_collapse(program, body, dof));
+        if let Some((body, dof, load)) = low.unbalanced {
+            return Ok(lonely_collapse(program, body, dof, load));
         }
         if low.linear.is_empty() {
             return Ok(ConeSolution {
@@ -80,7 +80,6 @@ impl ConeSolver for Clarabel {
         solver.solve();
         let raw = &solver.solution;
         let mut solution = ConeSolution {
-            status: SolveStatus::Stalled,
             forces: low.forces(program, &raw.x),
             displacements: low.displacements(program, &raw.z),
             iterations: raw.iterations,
@@ -116,11 +115,9 @@ impl ConeSolver for Clarabel {
 }
 
 /// The collapse of a degree of freedom with a load and without interactions.
-fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize) -> ConeSolution {
+fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize, load: f64) -> ConeSolution {
     let mut mechanism = vec![[0.0; 3]; program.bodies.len()];
-    if let Dof::Free(free) = &program.bodies[body].dofs[dof] {
-        mechanism[body][dof] = free.load.signum();
-    }
+    mechanism[body][dof] = load.signum();
     ConeSolution {
         status: SolveStatus::Collapsed,
         certificate: certificate(program, &mechanism),
@@ -131,9 +128,7 @@ fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize) -> ConeSoluti
 
 /// The matrix with these rows, columns and values.
 pub(super) fn sparse(size: [usize; 2], entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
-    let rows = entries.iter().map(|(row, ..)| *row).collect();
-    let columns = entries.iter().map(|(_, column, _)| *column).collect();
-    let values = entries.iter().map(|(.., value)| *value).collect();
+    let (rows, columns, values) = entries.iter().copied().collect();
     CscMatrix::new_from_triplets(size[0], size[1], rows, columns, values)
 }
 
@@ -154,7 +149,7 @@ pub(super) struct Lowered {
     columns: Vec<usize>,
     pub(super) balance_rows: usize,
     /// A free degree of freedom with a load and without interactions: a collapse by itself.
-    pub(super) unbalanced: Option<(usize, usize)>,
+    unbalanced: Option<(usize, usize, f64)>,
 }
 
 pub(super) fn lower(program: &ConeProgram) -> Lowered {
@@ -204,7 +199,7 @@ impl Lowered {
                     self.rows[i][k] = Some(self.right.len());
                     self.right.push((free.load + free.proximal * free.reference) / df[k]);
                 } else if free.load != 0.0 {
-                    self.unbalanced.get_or_insert((i, k));
+                    self.unbalanced.get_or_insert((i, k, free.load));
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! A cone program and its solution as JSON, so that other solvers can check them.
 
+use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
 
 use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, ProgramCell, Scales};
@@ -50,38 +51,15 @@ interaction without the two has C_R = tau_0 = 0.";
 const READ: &str = "clastic cone program, version 1. ";
 
 /// A cone program and its solution, with their place in a run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Dump {
+    format: String,
     /// Increment of the run.
     pub increment: u64,
     /// Stage of the run.
     pub stage: String,
     /// Share of the increment that was solved, 0 to 1.
     pub fraction: f64,
-    /// The program, without [`ConeProgram::last_forces`], which are no part of the problem.
-    pub program: ConeProgram,
-    /// Its solution.
-    pub solution: ConeSolution,
-}
-
-/// The reason why a text is no dump.
-#[derive(Debug, thiserror::Error)]
-pub enum DumpError {
-    /// It is not of this form, or has a number that is not finite.
-    #[error(transparent)]
-    Json(#[from] serde_json::Error),
-    /// It is of another version.
-    #[error("not a dump of version 1")]
-    Version,
-}
-
-/// The dump as it is written.
-#[derive(Serialize, Deserialize)]
-struct Written {
-    format: String,
-    increment: u64,
-    stage: String,
-    fraction: f64,
     #[serde(skip_deserializing)]
     units: Option<Units>,
     scales: Scales,
@@ -89,10 +67,25 @@ struct Written {
     interactions: Vec<Interaction>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     cell: Option<ProgramCell>,
-    solution: ConeSolution,
+    /// Solution of the program.
+    pub solution: ConeSolution,
 }
 
-#[derive(Serialize)]
+impl Dump {
+    /// The program, without [`ConeProgram::last_forces`], which are no part of the problem.
+    #[must_use]
+    pub fn program(&self) -> ConeProgram {
+        ConeProgram {
+            bodies: self.bodies.iter().map(|numbered| numbered.body).collect(),
+            interactions: self.interactions.clone(),
+            scales: self.scales,
+            cell: self.cell,
+            ..ConeProgram::default()
+        }
+    }
+}
+
+#[derive(Clone, Debug, Serialize)]
 struct Units {
     length: &'static str,
     rotation: &'static str,
@@ -105,7 +98,7 @@ const UNITS: Units =
     Units { length: "m", rotation: "rad", force: "N", moment: "N m", compliance: "m/N" };
 
 /// A body with its number, for readers.
-#[derive(Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Numbered {
     id: usize,
     #[serde(flatten)]
@@ -136,7 +129,7 @@ pub fn to_json(
     solution: &ConeSolution,
 ) -> Result<String, serde_json::Error> {
     let numbered = |(id, body): (usize, &ProgramBody)| Numbered { id, body: *body };
-    let mut text = serde_json::to_string(&Written {
+    let mut text = serde_json::to_string(&Dump {
         format: format(program),
         increment,
         stage: stage.to_owned(),
@@ -156,22 +149,10 @@ pub fn to_json(
 ///
 /// # Errors
 /// Where the text is no dump of this version, or has a number that is not finite.
-pub fn from_json(text: &str) -> Result<Dump, DumpError> {
-    let written: Written = serde_json::from_str(text)?;
-    if !written.format.starts_with(READ) {
-        return Err(DumpError::Version);
+pub fn from_json(text: &str) -> Result<Dump, serde_json::Error> {
+    let dump: Dump = serde_json::from_str(text)?;
+    if !dump.format.starts_with(READ) {
+        return Err(serde_json::Error::custom("not a dump of version 1"));
     }
-    Ok(Dump {
-        increment: written.increment,
-        stage: written.stage,
-        fraction: written.fraction,
-        program: ConeProgram {
-            bodies: written.bodies.into_iter().map(|numbered| numbered.body).collect(),
-            interactions: written.interactions,
-            scales: written.scales,
-            cell: written.cell,
-            ..ConeProgram::default()
-        },
-        solution: written.solution,
-    })
+    Ok(dump)
 }

@@ -30,22 +30,18 @@ const ROUND_OFF: f64 = 1e-15;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PolishSettings {
     /// Maximum number of guesses of the active limits.
-    ///
     /// 8: a cap. Inert in decision 001, where the guess settles earlier.
     pub max_passes: usize,
     /// Residual at which polishing ends. A polished solution within it replaces any solution without
     /// polish, even one with a smaller residual: slack and multiplier of a limit that is just reached
     /// are accurate to the square root of the residual only.
-    ///
     /// 1e-11: decision 001.
     pub residual: f64,
     /// Regularisation on the diagonal of the factorised matrix, in scaled units.
-    ///
     /// 1e-8: about the root of the round-off, so that the factor exists and the refinement
     /// converges. Decision 001.
     pub regularisation: f64,
     /// Ratio of the defects of two refinements above which the refinement ends.
-    ///
     /// 0.9: decision 001.
     pub progress: f64,
 }
@@ -85,19 +81,14 @@ pub(super) fn polish(
             best = now;
             solution.forces = polished.forces;
             solution.displacements = polished.displacements;
-            solution.message = format!(
-                "{}, polished {}",
-                solution.message.split(',').next().unwrap_or_default(),
-                pass + 1
-            );
+            let message = solution.message.split(',').next().unwrap_or_default();
+            solution.message = format!("{message}, polished {}", pass + 1);
         }
         if best <= settings.residual {
             return;
         }
-        match low.corrected(&active, &point) {
-            Some(next) => active = next,
-            None => return,
-        }
+        let Some(next) = low.corrected(&active, &point) else { return };
+        active = next;
     }
 }
 

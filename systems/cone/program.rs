@@ -298,17 +298,18 @@ impl ConeProgram {
     /// Number of force variables, balance rows and limit rows that a solver needs.
     #[must_use]
     pub fn size(&self) -> ProgramSize {
-        let mut size = ProgramSize { forces: 0, inertias: 0, balance_rows: 0, limit_rows: 0 };
-        for c in &self.interactions {
-            let l = &c.limits;
-            size.forces += l.forces().into_iter().filter(|has| *has).count();
-            size.limit_rows += 2 * usize::from(l.has_shear())
+        let limits = || self.interactions.iter().map(|c| &c.limits);
+        let rows = |l: &Limits| {
+            2 * usize::from(l.has_shear())
                 + 2 * usize::from(l.has_rolling())
-                + usize::from(l.has_tension_row());
+                + usize::from(l.has_tension_row())
+        };
+        ProgramSize {
+            forces: limits().flat_map(Limits::forces).filter(|has| *has).count(),
+            inertias: self.free().filter(|f| f.inertia + f.proximal > 0.0).count(),
+            balance_rows: self.free().count(),
+            limit_rows: limits().map(rows).sum(),
         }
-        size.balance_rows = self.free().count();
-        size.inertias = self.free().filter(|f| f.inertia + f.proximal > 0.0).count();
-        size
     }
 }
 

@@ -83,11 +83,9 @@ impl CandidatePairs {
         let largest = usable().fold(0.0, f64::max);
         let guard = ROUNDING * (2.0 * largest + reach.abs() + skin);
         self.built_reach = reach + skin;
-        grid::pairs_within(positions, radii, self.built_reach + guard, &mut self.pairs);
-        self.built_positions.clear();
-        self.built_positions.extend_from_slice(positions);
-        self.built_radii.clear();
-        self.built_radii.extend_from_slice(radii);
+        self.pairs = grid::pairs_within(positions, radii, self.built_reach + guard);
+        self.built_positions = positions.to_vec();
+        self.built_radii = radii.to_vec();
     }
 }
 

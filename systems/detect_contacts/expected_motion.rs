@@ -2,7 +2,6 @@
 
 use glam::DVec2;
 
-use clastic_components::body::BodyDrive;
 use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
 use clastic_components::rigid_group::GroupRow;
@@ -84,17 +83,14 @@ pub fn expected_motion(
     let mut imposed = 0.0_f64;
     for i in 0..bodies.particles {
         for k in 0..2 {
-            if let BodyDrive::Imposed(u) = bodies.drive(i, k) {
+            if let Some(u) = bodies.drive(i, k).imposed() {
                 displacement[i][k] = f * u;
                 imposed = imposed.max((f * u).abs());
             }
         }
     }
     for group in &bodies.groups {
-        let u = [0, 1, 2].map(|k| match bodies.group_drive(group, k) {
-            BodyDrive::Imposed(u) => Some(f * u),
-            BodyDrive::Free => None,
-        });
+        let u = [0, 1, 2].map(|k| Some(f * bodies.group_drive(group, k).imposed()?));
         if u.iter().all(Option::is_none) {
             continue;
         }

@@ -36,8 +36,7 @@ pub fn gap(positions: (DVec2, DVec2), radii: (f64, f64)) -> f64 {
 struct Disk {
     /// Class and row, ordered as (class, row); see [`Class::key`].
     key: i64,
-    x: f64,
-    y: f64,
+    place: DVec2,
     radius: f64,
     id: u32,
 }
@@ -63,18 +62,20 @@ impl Class {
     }
 }
 
-/// Replaces `out` by all pairs `i < j` with [`gap`] `<= reach`, sorted.
+/// All pairs `i < j` with [`gap`] `<= reach`, sorted.
 ///
 /// `positions` and `radii` (m, not negative) are of equal length; `reach` (m) may be negative (deep
 /// overlaps only) or infinite (all pairs). A disk whose position or radius is not finite is in no
 /// pair.
-pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64, out: &mut Vec<(u32, u32)>) {
-    out.clear();
+#[must_use]
+pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64) -> Vec<(u32, u32)> {
+    let mut pairs = Vec::new();
     let _ = visit_pairs(positions, radii, reach, |pair| {
-        out.push(pair);
+        pairs.push(pair);
         ControlFlow::Continue(())
     });
-    out.sort_unstable();
+    pairs.sort_unstable();
+    pairs
 }
 
 /// Number of the pairs that [`pairs_within`] lists, up to `most`. Memory stays O(n) even if the
@@ -110,8 +111,8 @@ fn visit_pairs(
             // row, or in the next row, through which the window slides as the disks come in order.
             let width = width(disk.radius + class.radius, reach);
             meet(disk, &own[i + 1..], disk.key, width, reach, &mut visit)?;
-            let window = (disk.key + 1, disk.x - class.row_height);
-            while own.get(above).is_some_and(|d| (d.key, d.x) < window) {
+            let window = (disk.key + 1, disk.place.x - class.row_height);
+            while own.get(above).is_some_and(|d| (d.key, d.place.x) < window) {
                 above += 1;
             }
             meet(disk, &own[above..], disk.key + 1, width, reach, &mut visit)?;
@@ -120,8 +121,9 @@ fn visit_pairs(
             let rows = &disks[coarser.begin..coarser.end];
             for disk in own {
                 let width = width(disk.radius + coarser.radius, reach);
-                for key in coarser.key(disk.y - width)..=coarser.key(disk.y + width) {
-                    let first = rows.partition_point(|d| (d.key, d.x) < (key, disk.x - width));
+                let DVec2 { x, y } = disk.place;
+                for key in coarser.key(y - width)..=coarser.key(y + width) {
+                    let first = rows.partition_point(|d| (d.key, d.place.x) < (key, x - width));
                     meet(disk, &rows[first..], key, width, reach, &mut visit)?;
                 }
             }
@@ -147,10 +149,9 @@ fn meet(
     reach: f64,
     visit: &mut impl FnMut((u32, u32)) -> ControlFlow<()>,
 ) -> ControlFlow<()> {
-    let right = disk.x + width;
-    for other in rows.iter().take_while(|d| d.key == key && d.x <= right) {
-        let positions = (DVec2::new(disk.x, disk.y), DVec2::new(other.x, other.y));
-        if gap(positions, (disk.radius, other.radius)) <= reach {
+    let right = disk.place.x + width;
+    for other in rows.iter().take_while(|d| d.key == key && d.place.x <= right) {
+        if gap((disk.place, other.place), (disk.radius, other.radius)) <= reach {
             visit((disk.id.min(other.id), disk.id.max(other.id)))?;
         }
     }
@@ -197,15 +198,14 @@ fn classify(positions: &[DVec2], radii: &[f64], reach: f64) -> (Vec<Disk>, Vec<C
     }
 
     let mut disks: Vec<Disk> = usable()
-        .map(|(id, x, r)| Disk {
-            key: classes[class_of(r)].key(x.y),
-            x: x.x,
-            y: x.y,
-            radius: r,
+        .map(|(id, place, radius)| Disk {
+            key: classes[class_of(radius)].key(place.y),
+            place,
+            radius,
             id,
         })
         .collect();
-    disks.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.x.total_cmp(&b.x)));
+    disks.sort_unstable_by(|a, b| a.key.cmp(&b.key).then(a.place.x.total_cmp(&b.place.x)));
     classes.retain(|class| class.begin < class.end);
     (disks, classes)
 }
@@ -217,8 +217,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn check(positions: &[DVec2], radii: &[f64], reach: f64) -> usize {
-        let mut found = vec![(9, 9)];
-        pairs_within(positions, radii, reach, &mut found);
+        let found = pairs_within(positions, radii, reach);
         assert_eq!(found, brute_force(positions, radii, reach));
         assert_eq!(count_within(positions, radii, reach, usize::MAX), found.len());
         assert_eq!(count_within(positions, radii, reach, 7), found.len().min(7));
@@ -263,8 +262,7 @@ mod tests {
         positions[12].x = -f64::NAN; // sorts before all numbers
         positions[7].y = f64::INFINITY;
         radii[9] = f64::NAN;
-        let mut found = Vec::new();
-        pairs_within(&positions, &radii, 1.0, &mut found);
+        let found = pairs_within(&positions, &radii, 1.0);
         assert!(
             !found.is_empty()
                 && found.iter().all(|(a, b)| [3, 7, 9, 12].iter().all(|i| a != i && b != i))

@@ -40,8 +40,7 @@ pub fn pairs_within(
             }
         }
     }
-    let mut pairs = Vec::new();
-    grid::pairs_within(&places, &sizes, reach, &mut pairs);
+    let mut pairs = grid::pairs_within(&places, &sizes, reach);
     pairs.retain_mut(|(a, b)| {
         let own = (*a as usize) < n || (*b as usize) < n;
         let (x, y) = (of[*a as usize], of[*b as usize]);

@@ -6,7 +6,8 @@
 //! and impacts take ten times as much in the same step, it changes nothing that matters.
 
 use super::geometry::Ending;
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction};
+use crate::solved::Solved;
+use clastic_cone::program::{ConeProgram, Interaction};
 
 /// Part of the energy that friction and impacts take which may be wrong. At 1 a hopper of
 /// elastic grains in steps of half a period of a contact gains twice the energy that its grains have
@@ -26,12 +27,8 @@ const MAX_STALLED_ERROR: f64 = 1e-6;
 
 /// Work that the geometry of the start does wrongly, over the work that is accepted, and over that with
 /// which a step may end at most. `work` is that of the maximum force along a mean radius, J.
-pub fn errors(
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    ending: &Ending,
-    work: f64,
-) -> [f64; 2] {
+pub fn errors(solved: Solved, ending: &Ending, work: f64) -> [f64; 2] {
+    let Solved { program, solution, .. } = solved;
     let u = &solution.displacements;
     let of_turns: f64 = u.iter().zip(&ending.loads).map(|(u, r)| dot(u, r).abs()).sum();
     let (mut of_misfits, mut taken, mut energy) = (0.0, 0.0, 0.0);
@@ -61,10 +58,8 @@ pub fn errors(
         }
     }
     for (body, u) in program.bodies.iter().zip(u) {
-        for (dof, u) in body.dofs.iter().zip(u) {
-            if let Dof::Free(free) = dof {
-                energy += 0.5 * free.inertia * u * u;
-            }
+        for (k, free) in body.free() {
+            energy += 0.5 * free.inertia * u[k] * u[k];
         }
     }
     let wrong = of_turns + of_misfits + ending.by_closing;

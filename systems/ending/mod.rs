@@ -16,9 +16,8 @@
 //! forces depend on the path as much as on the end, the next increment begins with what was out of
 //! balance, and the first condition alone decides.
 //!
-//! In statics, passes are for what guides a body over many increments: elastic bonds, rigid groups and
-//! curved walls. Rigid bonds that form a loop leave no room for gaps that the program does not have.
-//! The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
+//! In statics, passes are for what guides a body over many increments: bonds, rigid groups and curved
+//! walls. The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
 //! come closer to those with passes. There the out-of-balance force is recorded. In time steps with
 //! theta < 1 passes also are for elastic contacts, since they keep the energy of an impact, and for rigid
 //! bonds, which gain energy where they turn with the normals of the start.
@@ -109,7 +108,7 @@ pub fn judge(
     let motion = Motion::of(solved, &counts, is_static);
     let is_elastic = is_elastic(program, solution, &counts);
     let (idle, growth) = if is_elastic || !is_static {
-        motion.idle(program, solution, &ending, &state.guesses, &mut stiffness)
+        motion.idle(solved, &ending, &state.guesses, &mut stiffness)
     } else {
         (Vec::new(), 0.0)
     };
@@ -119,7 +118,7 @@ pub fn judge(
     let mut is_lost = is_static || !(state.imbalance <= MAX_IMBALANCE_OF_SLIDING);
     let error = if !is_static {
         let work = unit * bodies.mean_radius;
-        let [error, over] = energy::errors(program, solution, &ending, work);
+        let [error, over] = energy::errors(solved, &ending, work);
         if keeps_energy {
             is_lost = over > 1.0;
         }
@@ -138,12 +137,17 @@ pub fn judge(
     state.needed = is_elastic || keeps_energy;
     let makes_way = growth >= 1.0 || state.guesses.makes_way(error, PROGRESS, MAX_STALLED);
     if makes_way && state.passes < MAX_PASSES {
-        let over = |guess: Vec<[f64; 3]>| {
-            let end = ConeSolution { displacements: guess, ..solution.clone() };
-            let turn = of_loaded(Solved { solution: &end, ..solved });
-            if is_elastic { turn / tables.acceptance.turn } else { 0.0 }
-        };
-        let guess = motion.next(&mut state.guesses, (&idle, growth), solution, over);
+        let guesses = &mut state.guesses;
+        mixing::next(guesses, &motion.own, &idle, growth, bodies.mean_radius);
+        if is_elastic {
+            let displacements = motion.with_others(&guesses.last, solution);
+            let end = ConeSolution { displacements, ..solution.clone() };
+            let over = of_loaded(Solved { solution: &end, ..solved }) / tables.acceptance.turn;
+            if over > 1.0 {
+                mixing::shorten(guesses, 1.0 / over);
+            }
+        }
+        let guess = motion.with_others(&guesses.last, solution);
         state.list = increment.about(&guess, &state.guesses.last);
         state.passes += 1;
         attempt.verdict = Verdict::Again;
@@ -168,28 +172,21 @@ pub fn fail(state: &mut Corrections, why: &str) -> Verdict {
             "passes about the end of the increment do not converge: {why}"
         ));
     }
-    state.give_up();
+    *state = Corrections { capped: true, ..Corrections::default() };
     Verdict::Again
 }
 
 impl Tables<'_> {
     /// The increment with the place of its geometry, if its end is judged.
     fn increment(&self, far: Option<(usize, f64)>) -> Option<Increment<'_>> {
+        // Impacts with restitution have normals and offsets of their own.
+        let has_restitution = self.analysis.path_theta.is_some();
         let theta = match self.analysis.kind {
-            AnalysisKind::Static => {
-                if far.is_some_and(|(_, turn)| !(turn <= MAX_TURN)) {
-                    return None;
-                }
-                None
-            }
-            AnalysisKind::Dynamic { theta, .. } => {
-                // Impacts with restitution have normals and offsets of their own.
-                if self.is_at_rest() || self.analysis.path_theta.is_some() {
-                    return None;
-                }
+            AnalysisKind::Static if far.is_none_or(|(_, turn)| turn <= MAX_TURN) => None,
+            AnalysisKind::Dynamic { theta, .. } if !has_restitution && !self.is_at_rest() => {
                 Some(theta)
             }
-            AnalysisKind::Compaction { .. } => return None,
+            _ => return None,
         };
         let (fraction, gravity) = (self.progress.fraction, self.analysis.gravity);
         Some(Increment { solved: self.solved.get(), theta, fraction, gravity })
@@ -292,8 +289,7 @@ impl Motion {
     /// factor.
     fn idle(
         &self,
-        program: &ConeProgram,
-        solution: &ConeSolution,
+        Solved { program, solution, .. }: Solved,
         ending: &Ending,
         guesses: &Guesses,
         stiffness: &mut Stiffness,
@@ -322,24 +318,10 @@ impl Motion {
         }
     }
 
-    /// The next guess of all displacements: a body without load goes where it went.
-    fn next(
-        &self,
-        guesses: &mut Guesses,
-        (idle, growth): (&[[f64; 3]], f64),
-        solution: &ConeSolution,
-        over: impl Fn(Vec<[f64; 3]>) -> f64,
-    ) -> Vec<[f64; 3]> {
-        mixing::next(guesses, &self.own, idle, growth, self.radius);
-        let of_all = |guesses: &Guesses| {
-            let guess = guesses.last.iter().zip(&solution.displacements).zip(&self.loaded);
-            guess.map(|((guess, u), loaded)| if *loaded { *guess } else { *u }).collect::<Vec<_>>()
-        };
-        let over = over(of_all(guesses));
-        if over > 1.0 {
-            mixing::shorten(guesses, 1.0 / over);
-        }
-        of_all(guesses)
+    /// A guess of all displacements: a body without load goes where it went.
+    fn with_others(&self, guess: &[[f64; 3]], solution: &ConeSolution) -> Vec<[f64; 3]> {
+        let all = guess.iter().zip(&solution.displacements).zip(&self.loaded);
+        all.map(|((guess, u), loaded)| if *loaded { *guess } else { *u }).collect()
     }
 }
 

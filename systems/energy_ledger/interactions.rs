@@ -205,7 +205,7 @@ fn part<'a>(
 }
 
 /// Gap of a contact at the end, m.
-pub fn gap_at(tables: &Tables, contact: &Contact) -> f64 {
+fn gap_at(tables: &Tables, contact: &Contact) -> f64 {
     let Solved { bodies, solution, .. } = tables.solved;
     let (a, b) = (contact.a as usize, contact.b as usize);
     let apart = tables.end[b] - tables.end[a];
@@ -229,23 +229,19 @@ fn pressed(compliance: f64, gap: f64, pulls: bool) -> f64 {
     if compliance > 0.0 { 0.5 * overlap * overlap / compliance } else { 0.0 }
 }
 
-/// Forces of the contact after its bond has broken at this gap, from the forces of the bond.
-pub fn after_rupture(
-    tables: &Tables,
-    contact: &Contact,
-    gap: f64,
-    [p, q, tau]: [f64; 3],
-) -> [f64; 3] {
-    let (law, bodies) = (tables.laws.contact(contact), tables.solved.bodies);
+/// Forces of the contact after its bond has broken at the end, from the forces of the bond.
+pub fn after_rupture(tables: &Tables, contact: &Contact, [p, q, tau]: [f64; 3]) -> [f64; 3] {
+    let (law, gap) = (tables.laws.contact(contact), gap_at(tables, contact));
+    let radius = contact.common_radius(tables.solved.bodies);
     let p = if law.normal_compliance > 0.0 {
         (-gap / law.normal_compliance).max(0.0)
     } else {
         p.max(0.0)
     };
     let tau = if law.rolling_compliance > 0.0 {
-        moment_after_rupture(tau, &Contact { gap, ..*contact }, bodies, &law)
+        moment_after_rupture(tau, gap, radius, &law)
     } else {
-        let limit = law.rolling_friction * contact.common_radius(bodies) * p;
+        let limit = law.rolling_friction * radius * p;
         tau.clamp(-limit, limit)
     };
     [p, shear_after_rupture(q, gap, &law), tau]

@@ -58,7 +58,7 @@ use clastic_components::material::Materials;
 use glam::DVec2;
 
 use self::dynamic::book_bodies;
-use self::interactions::{Before, Part, Tables, after_rupture, book, gap_at};
+use self::interactions::{Before, Part, Tables, after_rupture, book};
 use self::quasi_static::Starts;
 use crate::assemble_program::{cell, taut};
 use crate::contact_laws::Laws;
@@ -190,8 +190,7 @@ pub fn book_energies(
     let mut release = |part: &Part| {
         if part.breaks {
             let contact = part.contact;
-            let gap = gap_at(&tables, contact);
-            let left = after_rupture(&tables, contact, gap, part.forces);
+            let left = after_rupture(&tables, contact, part.forces);
             let forces = [0, 1, 2].map(|k| part.forces[k] - left[k]);
             released.push(Released { a: contact.a, b: contact.b, forces });
         }

@@ -26,8 +26,7 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
     program.add_forces(&solution.forces, &mut after);
     // Bonds that broke and whose bodies are no longer a potential contact.
     for released in starts.released {
-        let key = (released.a, released.b);
-        if contacts.0.binary_search_by_key(&key, |c| (c.a, c.b)).is_err() {
+        if contacts.0.binary_search_by_key(&(released.a, released.b), |c| (c.a, c.b)).is_err() {
             let mut c = [bond_of(bodies, released)];
             set_images(bodies, &mut c);
             join(bodies, None, &[], &mut c);
@@ -64,14 +63,14 @@ pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
                 Dof::Free(free) => {
                     let end = free.load - free.inertia * u[k];
                     // Loads of an embedding program count as constant.
-                    let grown = match wall.map(|wall| bodies.wall_drive(wall)) {
-                        None if i >= bodies.positions.len() => tables.cell_loads[k],
-                        None if group.is_some() => group.map_or(Default::default(), |group| {
+                    let grown = match (wall, group) {
+                        (Some(wall), _) => bodies.wall_drive(wall).load().unwrap_or_default(),
+                        (None, Some(group)) => {
                             let at = |part| bodies.load_on_group(group, part, DVec2::ZERO)[k];
                             Ramp { from: at(0.0), to: at(1.0) }
-                        }),
-                        None => bodies.loads[i][k],
-                        Some(drive) => drive.load().unwrap_or_default(),
+                        }
+                        (None, None) if i >= bodies.positions.len() => tables.cell_loads[k],
+                        (None, None) => bodies.loads[i][k],
                     };
                     let grown = grown.at(tables.fraction) - grown.at(0.0);
                     let turning =
@@ -123,9 +122,7 @@ fn bond_of(bodies: &BodyTable, released: &Released) -> Interaction {
 
 /// Adds the forces of an interaction to the resistance of its bodies.
 fn add(program: &ConeProgram, c: &Interaction, f: &[f64; 3], rows: &mut [[f64; 3]]) {
-    let of_bodies = [(c.a as usize, true), (c.b as usize, false)]
-        .map(|(body, first)| (body, c.rows(program.bodies[body].axis, first)));
-    for (body, g) in of_bodies.into_iter().chain(program.rows_of_cell(c)) {
+    for (body, g) in program.rows(c) {
         for (row, g) in rows[body].iter_mut().zip(&g) {
             *row += g[0] * f[0] + g[1] * f[1] + g[2] * f[2];
         }

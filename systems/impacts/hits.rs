@@ -174,7 +174,7 @@ impl Approach {
         // The path of a point of a wall that turns is straight to first order.
         let turns = motions[b].is_some_and(|motion| motion.spin != 0.0);
         if wall.is_some_and(|wall| wall.is_line() || turns) {
-            let Self { acceleration, .. } = *self;
+            let acceleration = self.acceleration;
             return Some(Hit { time, speed, acceleration, normal: contact.normal });
         }
         let (of_a, of_b) = (motions[a]?, motions[b]?);

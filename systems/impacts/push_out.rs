@@ -51,7 +51,6 @@ pub(crate) fn overlaps(
 ) -> bool {
     let residual = residual_overlap(acceptance, bodies);
     contacts.0.iter().zip(&program.interactions).any(|(contact, c)| {
-        let bonded = c.limits.has_strength();
-        c.normal_compliance == 0.0 && !bonded && contact.gap < -residual
+        c.normal_compliance == 0.0 && !c.limits.has_strength() && contact.gap < -residual
     })
 }

@@ -14,7 +14,7 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Verdict};
 use clastic_components::findings::{Impacts, Reached};
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramBody};
+use clastic_cone::program::{ConeProgram, Dof, Interaction, ProgramBody};
 use clastic_cone::residuals::Carrying;
 
 use super::push_out::residual_overlap;
@@ -44,7 +44,7 @@ pub fn judge(
     let solved = tables.get();
     let Solved { bodies, program, solution, .. } = solved;
     let carrying = Carrying::new(program, solution);
-    let clusters = Clusters::new(program, |k| carrying.is_carrying(k));
+    let clusters = Clusters::new(program, &carrying);
     let mut struck = vec![false; program.bodies.len()];
     for k in impacts.hit.iter().filter(|k| carrying.is_carrying(**k)) {
         struck[clusters.of(&program.interactions[*k])] = true;
@@ -69,7 +69,7 @@ pub fn judge(
         attempt.verdict = Verdict::Again;
         return;
     }
-    let gains = gains(program, solution, &clusters, |k| carrying.is_carrying(k));
+    let gains = gains(solved, &clusters, &carrying);
     reached.factors.resize(program.bodies.len(), 1.0);
     for (root, factor) in clusters.root.iter().zip(&mut reached.factors) {
         let cluster = *root as usize;
@@ -88,11 +88,11 @@ struct Clusters {
 }
 
 impl Clusters {
-    fn new(program: &ConeProgram, carries: impl Fn(usize) -> bool) -> Self {
+    fn new(program: &ConeProgram, carrying: &Carrying) -> Self {
         let is_free: Vec<bool> = program.bodies.iter().map(ProgramBody::is_free).collect();
         let mut parents: Vec<u32> = (0..program.bodies.len() as u32).collect();
         for (k, c) in program.interactions.iter().enumerate() {
-            if carries(k) && is_free[c.a as usize] && is_free[c.b as usize] {
+            if carrying.is_carrying(k) && is_free[c.a as usize] && is_free[c.b as usize] {
                 join(&mut parents, c.a, c.b);
             }
         }
@@ -118,28 +118,21 @@ fn mobility(program: &ConeProgram, c: &Interaction) -> f64 {
 /// Which clusters gain energy by the impulses of their contacts: each does work along the mean of the
 /// relative velocities before and after. What the loads give to bodies at rest, m (a dt)^2/2, is no gain:
 /// rest and impact are told apart to that. A single impact gains nothing.
-fn gains(
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    clusters: &Clusters,
-    carries: impl Fn(usize) -> bool,
-) -> Vec<bool> {
+fn gains(solved: Solved, clusters: &Clusters, carrying: &Carrying) -> Vec<bool> {
+    let Solved { program, solution, .. } = solved;
     // Motion of the step at the velocity before; with restitution that at the end is u/dt.
     let mut motion_before = solution.displacements.clone();
     // Twice the work of the contacts.
     let n = program.bodies.len();
     let (mut taken, mut exchanged, mut contacts) = (vec![0.0; n], vec![0.0; n], vec![0_u32; n]);
     for ((body, root), u) in program.bodies.iter().zip(&clusters.root).zip(&mut motion_before) {
-        for (dof, u) in body.dofs.iter().zip(u) {
-            if let Dof::Free(free) = dof
-                && free.inertia > 0.0
-            {
-                *u = free.momentum / free.inertia;
-                taken[*root as usize] += (free.load - free.momentum).powi(2) / free.inertia;
-            }
+        for (k, free) in body.free().filter(|(_, free)| free.inertia > 0.0) {
+            u[k] = free.momentum / free.inertia;
+            taken[*root as usize] += (free.load - free.momentum).powi(2) / free.inertia;
         }
     }
-    for (k, c) in program.interactions.iter().enumerate().filter(|(k, _)| carries(*k)) {
+    let all = program.interactions.iter().enumerate();
+    for (k, c) in all.filter(|(k, _)| carrying.is_carrying(*k)) {
         let before = program.kinematics(c, &motion_before);
         let after = program.kinematics(c, &solution.displacements);
         let cluster = clusters.of(c);

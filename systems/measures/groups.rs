@@ -13,10 +13,10 @@ use crate::solved::Solved;
 #[must_use]
 pub fn force_on(members: &[BodyId], solved: Solved) -> Option<[f64; 3]> {
     let bodies = solved.bodies;
-    let rows: Vec<usize> = members.iter().filter_map(|id| bodies.row(*id)).collect();
+    let rows = members.iter().filter_map(|id| bodies.row(*id));
     let mut is_inside = vec![false; bodies.ids.len()];
     let (mut mass, mut middle, mut plain) = (0.0, DVec2::ZERO, DVec2::ZERO);
-    for &row in rows.iter().filter(|row| **row < bodies.particles) {
+    for row in rows.filter(|row| *row < bodies.particles) {
         is_inside[row] = true;
         mass += bodies.masses[row];
         middle += bodies.masses[row] * bodies.positions[row];

@@ -25,6 +25,7 @@ use clastic_components::measure::{
 };
 use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
+use clastic_components::particle::Particle;
 use clastic_components::poured::Poured;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 use clastic_cone::residuals::Carrying;
@@ -151,7 +152,7 @@ pub struct EndTables<'w, 's> {
     path: Option<Res<'w, StrainPath>>,
     cracks: Option<Res<'w, CrackSums>>,
     poured: Option<Res<'w, Poured>>,
-    particles: ring::Particles<'w, 's>,
+    particles: Query<'w, 's, ring::ParticleForce, With<Particle>>,
 }
 
 impl EndTables<'_, '_> {
@@ -222,10 +223,8 @@ impl EndTables<'_, '_> {
                 Some(if *amount == GrainAmount::Mass { poured.1 } else { poured.0 })
             }
             Quantity::Grains { amount, min, max, moved } => {
-                let corner = |corner: Option<(f64, f64)>, none| {
-                    corner.map_or(DVec2::splat(none), DVec2::from)
-                };
-                let (min, max) = (corner(*min, f64::NEG_INFINITY), corner(*max, f64::INFINITY));
+                let min = min.map_or(DVec2::NEG_INFINITY, DVec2::from);
+                let max = max.map_or(DVec2::INFINITY, DVec2::from);
                 let mut mass = 0.0;
                 let (mut number, mut counted) = (0.0, 0.0);
                 for (i, of_grain) in bodies.masses.iter().enumerate().take(bodies.particles) {

@@ -9,19 +9,15 @@ use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition};
 use clastic_components::measure::RingValue;
 use clastic_components::particle::Particle;
 
-/// Identity, place and external force of the particles.
-pub(super) type Particles<'w, 's> = Query<
-    'w,
-    's,
-    (&'static BodyId, &'static BodyPosition, &'static BodyExternalForce),
-    With<Particle>,
->;
+/// Identity, place and external force of a particle.
+pub(super) type ParticleForce =
+    (&'static BodyId, &'static BodyPosition, &'static BodyExternalForce);
 
 /// Reads a value of the particles whose centres were between two circles at the start of the reference
 /// stage, at the places `start`. Directions are those from the centre to these places. `None` without
 /// particles.
 pub(super) fn read(
-    particles: &Particles,
+    particles: &Query<ParticleForce, With<Particle>>,
     start: &[(BodyId, DVec2)],
     (centre, (inner, outer), thickness): (DVec2, (f64, f64), f64),
     value: RingValue,

@@ -29,8 +29,7 @@ use crate::solved::{Solved, SolvedTables};
 /// `area` is in m^2.
 #[must_use]
 pub fn average_stress(solved: Solved, area: f64, thickness: f64) -> [[f64; 2]; 2] {
-    let sum = moments(solved, |_| 1.0);
-    sum.map(|row| row.map(|s| s / (area * thickness)))
+    moments(solved, |_| 1.0).map(|row| row.map(|s| s / (area * thickness)))
 }
 
 /// Sum of f (x) l over all contacts, each with a weight, N m. The force of a taut bond is that of its

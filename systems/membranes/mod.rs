@@ -26,7 +26,7 @@ use clastic_components::membrane::{Chain, Course, Membrane, MembraneShape, Sides
 
 use self::rolling_ball::{Line, RollingBall};
 use crate::schedule::{AddTrialLoads, ClasticHalted};
-use crate::state::{RegisterState, StateOf, despawn_all};
+use crate::state::{RegisterState, StateOf, despawn_if};
 
 /// Adds [`press`]. The record runs [`renew_shapes`].
 pub struct MembranesPlugin;
@@ -57,7 +57,7 @@ impl StateOf for MembraneStates {
     }
 
     fn forget(world: &mut World) {
-        despawn_all::<Membrane>(world);
+        despawn_if(world, |_: &Membrane| true);
     }
 }
 
@@ -164,19 +164,17 @@ pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &BodyTable) -> Mem
     let (chains, height) = match membrane.course {
         Course::Closed => (ball.around().map(|chain| vec![grains(&chain)]), 0.0),
         Course::Between { first, second, sides } => {
-            match (wall_line(bodies, first), wall_line(bodies, second)) {
-                (Some(a), Some(b)) => {
-                    let right = || open((first, a), (second, b));
-                    let left = || open((second, b), (first, a));
-                    let chains = match sides {
-                        Sides::Both => right().zip(left()).map(|(a, b)| vec![a, b]),
-                        Sides::Right => right().map(|chain| vec![chain]),
-                        Sides::Left => left().map(|chain| vec![chain]),
-                    };
-                    (chains, (b.point - a.point).dot(a.inward))
-                }
-                _ => (None, 0.0),
-            }
+            let (Some(a), Some(b)) = (wall_line(bodies, first), wall_line(bodies, second)) else {
+                return MembraneShape { pressure, ..MembraneShape::default() };
+            };
+            let right = || open((first, a), (second, b));
+            let left = || open((second, b), (first, a));
+            let chains = match sides {
+                Sides::Both => right().zip(left()).map(|(a, b)| vec![a, b]),
+                Sides::Right => right().map(|chain| vec![chain]),
+                Sides::Left => left().map(|chain| vec![chain]),
+            };
+            (chains, (b.point - a.point).dot(a.inward))
         }
     };
     MembraneShape { chains: chains.unwrap_or_default(), height, pressure }

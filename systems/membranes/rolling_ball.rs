@@ -38,6 +38,11 @@ impl Line {
     }
 }
 
+/// Row and column of the cell of a point.
+fn cell(x: DVec2, edge: f64) -> (i64, i64) {
+    ((x.y / edge).floor() as i64, (x.x / edge).floor() as i64)
+}
+
 /// A ball that rolls along disks.
 pub(super) struct RollingBall<'a> {
     positions: &'a [DVec2],
@@ -46,7 +51,7 @@ pub(super) struct RollingBall<'a> {
     /// Edge of a cell, m: disks that the ball touches at once are at most one cell apart.
     edge: f64,
     /// Cells (row, column) with their disks, in order.
-    cells: Vec<(i64, i64, usize)>,
+    cells: Vec<((i64, i64), usize)>,
 }
 
 /// The object that the ball meets first.
@@ -64,14 +69,8 @@ impl<'a> RollingBall<'a> {
         let largest = radii.iter().copied().fold(0.0, f64::max);
         let ball = ball.unwrap_or(largest);
         let edge = 2.0 * (largest + ball);
-        let cell = |x: DVec2| ((x.y / edge).floor() as i64, (x.x / edge).floor() as i64);
         let disks = positions.iter().enumerate();
-        let mut cells: Vec<_> = disks
-            .map(|(i, x)| {
-                let (row, column) = cell(*x);
-                (row, column, i)
-            })
-            .collect();
+        let mut cells: Vec<_> = disks.map(|(i, x)| (cell(*x, edge), i)).collect();
         cells.sort_unstable();
         Self { positions, radii, ball, edge, cells }
     }
@@ -84,14 +83,13 @@ impl<'a> RollingBall<'a> {
     /// The disks that the ball can touch together with a disk.
     fn neighbours(&self, disk: usize) -> impl Iterator<Item = usize> + '_ {
         let x = self.positions[disk];
-        let row = (x.y / self.edge).floor() as i64;
-        let column = (x.x / self.edge).floor() as i64;
+        let (row, column) = cell(x, self.edge);
         let slices = (row - 1..=row + 1).map(move |row| {
-            let start = self.cells.partition_point(|c| (c.0, c.1) < (row, column - 1));
-            let end = self.cells.partition_point(|c| (c.0, c.1) <= (row, column + 1));
+            let start = self.cells.partition_point(|(cell, _)| *cell < (row, column - 1));
+            let end = self.cells.partition_point(|(cell, _)| *cell <= (row, column + 1));
             &self.cells[start..end]
         });
-        slices.flatten().map(|cell| cell.2).filter(move |other| {
+        slices.flatten().map(|(_, disk)| *disk).filter(move |other| {
             let reach = (self.reach(disk) + self.reach(*other)) * (1.0 - FITS);
             *other != disk && x.distance_squared(self.positions[*other]) < reach * reach
         })

@@ -303,7 +303,8 @@ pub fn release<'a>(
             let memory = &mut history.0[m];
             memory.q = shear_after_rupture(memory.q, contact.gap, &law);
             if law.rolling_compliance > 0.0 {
-                memory.tau = moment_after_rupture(memory.tau, contact, laws.bodies, &law);
+                let radius = contact.common_radius(laws.bodies);
+                memory.tau = moment_after_rupture(memory.tau, contact.gap, radius, &law);
             }
         }
     }

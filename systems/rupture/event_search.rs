@@ -82,8 +82,7 @@ pub fn decide(
     // the tolerance.
     let below_limit = 0.5 * tolerance;
     let below_limit = if trials == 0 { below_limit.min(EXACT) } else { below_limit };
-    let again = in_a_row[usize::from(reached)];
-    let target = illinois(ends, bond, 1.0 - below_limit, again, reached);
+    let target = illinois(ends, bond, 1.0 - below_limit, in_a_row[usize::from(reached)], reached);
     // The initial forces do not predict well what happens soon after the start.
     if reached && !below.is_solved && (trials > 0 || target < NEAR_START * high) {
         return Decision::Earlier(0.0);

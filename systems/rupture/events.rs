@@ -67,7 +67,7 @@ pub fn is_released(rules: &RuptureRules, progress: &ClasticProgress, search: &Ev
     follows && progress.relaxing && !search.moved
 }
 
-/// What the judge reads.
+/// What the judge reads, and what it changes besides the verdict.
 #[derive(SystemParam)]
 pub struct Tables<'w> {
     rules: Res<'w, RuptureRules>,
@@ -76,72 +76,71 @@ pub struct Tables<'w> {
     materials: Res<'w, Materials>,
     analysis: Res<'w, ClasticAnalysis>,
     corrections: Res<'w, Corrections>,
+    progress: ResMut<'w, ClasticProgress>,
+    program: ResMut<'w, ConeProgram>,
+    solution: ResMut<'w, ConeSolution>,
+    search: ResMut<'w, EventSearch>,
 }
 
 /// Accepts the trial, with the bond that breaks in it, or requests another fraction.
-pub fn judge(
-    tables: Tables,
-    mut progress: ResMut<ClasticProgress>,
-    mut program: ResMut<ConeProgram>,
-    mut solution: ResMut<ConeSolution>,
-    mut search: ResMut<EventSearch>,
-    mut attempt: ResMut<Attempt>,
-) {
-    let rules = &*tables.rules;
-    if is_released(rules, &progress, &search) {
+pub fn judge(mut tables: Tables, mut attempt: ResMut<Attempt>) {
+    if is_released(&tables.rules, &tables.progress, &tables.search) {
         attempt.verdict = Verdict::Released;
         return;
     }
-    let (bodies, contacts) = (&*tables.bodies, &*tables.contacts);
-    let solved = Solved { bodies, contacts, program: &program, solution: &solution };
-    let found = overloads(solved, UNLIMITED);
+    let found = overloads(tables.solved(), UNLIMITED);
     let trial = EventTrial {
-        change: change(&program, &solution),
+        change: change(&tables.program, &tables.solution),
         is_solved: true,
-        ..tables.trial(&found, progress.fraction)
+        ..tables.trial(&found, tables.progress.fraction)
     };
-    search.overload = maximum(&trial);
+    tables.search.overload = maximum(&trial);
     // The next pass continues from the chosen state with its bonds.
     if tables.corrections.passes > 0 {
-        judge_by_true_limits(&found, &mut program, &mut solution);
-        return;
+        return tables.judge_by_true_limits(&found);
     }
     // The start of the increment, by the forces after the last one.
-    let start = || tables.trial(&overloads_at_start(solved, UNLIMITED), 0.0);
-    let below = search.below.clone().unwrap_or_else(start);
+    let start = || tables.trial(&overloads_at_start(tables.solved(), UNLIMITED), 0.0);
+    let below = tables.search.below.clone().unwrap_or_else(start);
+    let tolerance = tables.rules.tolerance;
     // After a motion under the loads of this trial the fraction can no longer change.
-    let decision = if search.moved {
-        Decision::Stands(at_constant_load(&trial, rules.tolerance))
-    } else if tables.may_break_together(&progress, &search)
-        && tables.break_together(&below, &trial, &found, solved)
-    {
+    let decision = if tables.search.moved {
+        Decision::Stands(at_constant_load(&trial, tolerance))
+    } else if tables.may_break_together() && tables.break_together(&below, &trial, &found) {
         // The same fraction again, with the strengths of the bonds.
+        let Tables { progress, search, .. } = &mut tables;
         (search.active, search.dense, progress.dense) = (false, true, true);
         search.target = progress.fraction;
         attempt.verdict = Verdict::Overloaded;
         return;
     } else {
-        let EventSearch { above, trials, in_a_row, .. } = &*search;
-        decide(&below, above.as_ref(), &trial, *trials, *in_a_row, rules.tolerance)
+        let EventSearch { above, trials, in_a_row, .. } = &*tables.search;
+        decide(&below, above.as_ref(), &trial, *trials, *in_a_row, tolerance)
     };
-    match decision {
-        Decision::Stands(broken) => {
-            tables.commit(&found, broken, &mut progress, &mut program, &mut solution, &mut search);
-        }
+    let search = &mut *tables.search;
+    search.target = match decision {
+        Decision::Stands(broken) => return tables.commit(&found, broken),
         Decision::Later(fraction) => {
             search.below = Some(trial);
             search.in_a_row = [search.in_a_row[0] + 1, 0];
-            try_next(fraction, &mut search, &mut attempt);
+            fraction
         }
         Decision::Earlier(fraction) => {
             search.above = Some(trial);
             search.in_a_row = [0, search.in_a_row[1] + 1];
-            try_next(fraction, &mut search, &mut attempt);
+            fraction
         }
-    }
+    };
+    search.trials += 1;
+    attempt.verdict = Verdict::Overloaded;
 }
 
 impl Tables<'_> {
+    fn solved(&self) -> Solved<'_> {
+        let Self { bodies, contacts, program, solution, .. } = self;
+        Solved { bodies, contacts, program, solution }
+    }
+
     /// Index of the bond of an overload.
     fn bond(&self, o: &Overload) -> usize {
         self.contacts.0[o.contact].bond.map_or(0, |k| k as usize)
@@ -157,22 +156,16 @@ impl Tables<'_> {
     }
 
     /// Whether this is the first trial of a loading with which bonds may break together.
-    fn may_break_together(&self, progress: &ClasticProgress, search: &EventSearch) -> bool {
-        search.trials == 0
-            && search.overload >= 1.0
-            && progress.fraction > 0.0
+    fn may_break_together(&self) -> bool {
+        self.search.trials == 0
+            && self.search.overload >= 1.0
+            && self.progress.fraction > 0.0
             && self.rules.avalanche != Avalanche::Dynamic
     }
 
     /// Whether the bonds that reach their limits are so dense, or release so little force, that
     /// they break together.
-    fn break_together(
-        &self,
-        below: &EventTrial,
-        trial: &EventTrial,
-        found: &[Overload],
-        solved: Solved,
-    ) -> bool {
+    fn break_together(&self, below: &EventTrial, trial: &EventTrial, found: &[Overload]) -> bool {
         if density(below, trial) >= self.rules.density {
             return true;
         }
@@ -181,35 +174,35 @@ impl Tables<'_> {
         let due = found.iter().filter(|o| due.contains(&self.bond(o)));
         let due: Vec<usize> = due.map(|o| o.contact).collect();
         let part = (first / trial.fraction).min(1.0);
-        let forces = between(&solved.program.last_forces, &solved.solution.forces, part);
+        let forces = between(&self.program.last_forces, &self.solution.forces, part);
         let Self { bodies, materials, analysis, .. } = self;
         let laws = Laws { bodies, materials, analysis };
         brittleness(&due, &self.contacts.0, &forces, laws) <= self.rules.brittleness
     }
 
     /// Commits the trial, in which this bond breaks, if there is one.
-    fn commit(
-        &self,
-        found: &[Overload],
-        broken: Option<usize>,
-        progress: &mut ClasticProgress,
-        program: &mut ConeProgram,
-        solution: &mut ConeSolution,
-        search: &mut EventSearch,
-    ) {
+    fn commit(&mut self, found: &[Overload], broken: Option<usize>) {
         let breaks = |o: &&Overload| Some(self.bond(o)) == broken;
-        search.broken = found.iter().find(breaks).and_then(|o| {
-            let (contact, forces) = (&self.contacts.0[o.contact], &solution.forces[o.contact]);
-            rupture(progress.increment, &self.bodies, contact, forces, o.mode)
+        let event = found.iter().find(breaks).and_then(|o| {
+            let (contact, forces) = (&self.contacts.0[o.contact], &self.solution.forces[o.contact]);
+            rupture(self.progress.increment, &self.bodies, contact, forces, o.mode)
         });
-        let is_late = |o: &Overload| o.value > 1.0 && !breaks(&o);
-        search.in_avalanche = broken.is_some()
-            && (progress.fraction == 0.0 || search.moved || found.iter().any(is_late));
-        if search.broken.is_some() && progress.fraction > 0.0 {
+        let is_late = found.iter().any(|o| o.value > 1.0 && !breaks(&o));
+        let Self { progress, search, .. } = self;
+        search.in_avalanche =
+            broken.is_some() && (progress.fraction == 0.0 || search.moved || is_late);
+        if event.is_some() && progress.fraction > 0.0 {
             // The distance to the next event is estimated from the last distances.
             progress.tried = 0.5 * (REACH * progress.fraction).max(FORGET * progress.tried);
         }
-        judge_by_true_limits(found, program, solution);
+        search.broken = event;
+        self.judge_by_true_limits(found);
+    }
+
+    /// Restores the strengths of the bonds, and judges the residuals by them.
+    fn judge_by_true_limits(&mut self, found: &[Overload]) {
+        restore_strengths(found, &mut self.program.interactions);
+        self.solution.residuals = residuals(&self.program, &self.solution);
     }
 }
 
@@ -224,32 +217,11 @@ pub fn halve(world: &mut World) {
     progress.tried = progress.fraction;
 }
 
-/// Restores the strengths of the bonds, and judges the residuals by them.
-fn judge_by_true_limits(
-    found: &[Overload],
-    program: &mut ConeProgram,
-    solution: &mut ConeSolution,
-) {
-    restore_strengths(found, &mut program.interactions);
-    solution.residuals = residuals(program, solution);
-}
-
-fn try_next(fraction: f64, search: &mut EventSearch, attempt: &mut Attempt) {
-    search.trials += 1;
-    search.target = fraction;
-    attempt.verdict = Verdict::Overloaded;
-}
-
 /// Minimum distance of the first trial after an event, over the distance to that event. Fractions
 /// double from one increment to the next, so half of it is stored.
 const REACH: f64 = 4.0;
 /// Minimum distance of the first trial after an event, over the first trial before that event.
 const FORGET: f64 = 0.5;
-
-/// Sum of normal and shear forces.
-fn sum(forces: &[[f64; 3]]) -> f64 {
-    forces.iter().map(|f| f[0].hypot(f[1])).sum()
-}
 
 /// Relative change of the normal and shear forces since the start of the increment,
 /// `sum|f - f_0| / sum|f|`.
@@ -257,5 +229,6 @@ fn sum(forces: &[[f64; 3]]) -> f64 {
 pub fn change(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let changes = solution.forces.iter().zip(&program.last_forces);
     let changed: f64 = changes.map(|(f, last)| (f[0] - last[0]).hypot(f[1] - last[1])).sum();
-    changed / sum(&solution.forces).max(f64::MIN_POSITIVE)
+    let sum: f64 = solution.forces.iter().map(|f| f[0].hypot(f[1])).sum();
+    changed / sum.max(f64::MIN_POSITIVE)
 }

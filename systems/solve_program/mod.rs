@@ -37,8 +37,16 @@ pub struct SolveProgramPlugin;
 impl Plugin for SolveProgramPlugin {
     fn build(&self, app: &mut App) {
         // Warm start of the solver by row. The settings determine the solver.
-        app.register_part(SOLVER_MEMORY, memory, remember)
-            .init_resource::<ConeSolution>()
+        app.register_part(
+            SOLVER_MEMORY,
+            |world| world.get_resource::<Solver>().map(|solver| solver.0.memory().to_vec()),
+            |memory, world| {
+                if let Some(mut solver) = world.get_resource_mut::<Solver>() {
+                    solver.0.remember(&memory);
+                }
+            },
+        );
+        app.init_resource::<ConeSolution>()
             .init_resource::<Solver>()
             .init_resource::<SlidingSolver>()
             .init_resource::<Sliding>()
@@ -60,16 +68,6 @@ impl Plugin for SolveProgramPlugin {
 
 /// Name of the memory of the solver in a state.
 pub const SOLVER_MEMORY: &str = "solver.memory";
-
-fn memory(world: &mut World) -> Option<Vec<[f64; 3]>> {
-    world.get_resource::<Solver>().map(|solver| solver.0.memory().to_vec())
-}
-
-fn remember(memory: Vec<[f64; 3]>, world: &mut World) {
-    if let Some(mut solver) = world.get_resource_mut::<Solver>() {
-        solver.0.remember(&memory);
-    }
-}
 
 /// Updates the rows of bodies. New bodies have no warm start.
 fn renumber_memory(rows: Res<KeptRows>, bodies: Res<BodyTable>, mut solver: ResMut<Solver>) {
@@ -95,12 +93,11 @@ fn asked(accepted: f64, analysis: &ClasticAnalysis, attempt: &Attempt, bodies: &
 /// Residuals of a solution. The inertia of a followed motion is part of its program. Elsewhere a
 /// regularisation is an error of the balance.
 fn residuals_of(attempt: &Attempt, program: &ConeProgram, solution: &ConeSolution) -> Residuals {
-    let evaluate = if attempt.motion().is_some() {
-        residuals::regularised_residuals
+    if attempt.motion().is_some() {
+        residuals::regularised_residuals(program, solution)
     } else {
-        residuals::residuals
-    };
-    evaluate(program, solution)
+        residuals::residuals(program, solution)
+    }
 }
 
 /// Solves the program and computes the residuals of the solution.

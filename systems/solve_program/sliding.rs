@@ -42,17 +42,6 @@ pub fn law_of(
     law.coulomb(analysis.kind).filter(|_| !is_left_out)
 }
 
-/// Whether the first point within the tolerance suffices: in time steps where it does for the
-/// associated law. Solutions of a static increment are exact, those of its motions included.
-fn first_point_suffices(
-    solver: &Solver,
-    analysis: &ClasticAnalysis,
-    program: &ConeProgram,
-    tolerance: f64,
-) -> bool {
-    analysis.kind != AnalysisKind::Static && solver.0.first_point_suffices(program, tolerance)
-}
-
 /// Solves the program of an equilibrium or a time step again under Coulomb's law.
 ///
 /// A solution that did not converge is kept with its residual.
@@ -96,8 +85,10 @@ pub fn solve_sliding(
     let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
     let aim = MARGIN * enough;
     let asked = super::asked(enough, &analysis, &attempt, &bodies);
-    let at_once = first_point_suffices(&associated, &analysis, &program, asked);
-    let goal = if at_once { Goal::enough(aim) } else { Goal::exact(aim) };
+    // The first point within the tolerance suffices in time steps where it does for the associated
+    // law. Solutions of a static increment are exact, those of its motions included.
+    let at_once = !is_static && associated.0.first_point_suffices(&program, asked);
+    let goal = Goal { tolerance: aim, at_once };
     // The last forces are the second start, with a tenth of the factorisations. After a motion they
     // belong to its state at rest, from which the associated solution may be far away. Sweeps begin
     // with them.

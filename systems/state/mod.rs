@@ -227,10 +227,12 @@ pub fn expect_empty(world: &mut World) -> Result<(), StateError> {
     if bodies + bonds == 0 { Ok(()) } else { Err(StateError::Occupied { bodies, bonds }) }
 }
 
-/// Takes all entities with a component away, whose state names none of them.
-pub(crate) fn despawn_all<T: Component>(world: &mut World) {
-    let all: Vec<Entity> = world.query_filtered::<Entity, With<T>>().iter(world).collect();
-    for entity in all {
+/// Takes the entities away whose component satisfies a condition.
+pub(crate) fn despawn_if<T: Component>(world: &mut World, goes: impl Fn(&T) -> bool) {
+    let mut all = world.query::<(Entity, &T)>();
+    let gone = all.iter(world).filter(|(_, component)| goes(component));
+    let gone: Vec<Entity> = gone.map(|(entity, _)| entity).collect();
+    for entity in gone {
         world.despawn(entity);
     }
 }

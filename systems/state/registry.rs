@@ -84,18 +84,50 @@ impl Identity for BondId {
 /// # Panics
 /// If the name is registered already.
 pub trait RegisterState {
+    /// The app whose state is registered.
+    fn app(&mut self) -> &mut App;
+
     /// Registers a resource.
     fn register_resource<T: Resource + Serialize + DeserializeOwned>(
         &mut self,
         name: &'static str,
-    ) -> &mut Self;
+    ) -> &mut Self {
+        let entry = Entry {
+            name,
+            is_component: false,
+            capture: Arc::new(|world| {
+                world.get_resource::<T>().map(postcard::to_stdvec).transpose()
+            }),
+            check: Arc::new(|_, _| Ok(None)),
+            restore: Arc::new(|world, bytes| {
+                world.insert_resource(postcard::from_bytes::<T>(bytes)?);
+                Ok(())
+            }),
+            forget: |world| {
+                world.remove_resource::<T>();
+            },
+        };
+        register(self.app(), entry);
+        self
+    }
 
     /// Registers a component of bodies ([`BodyId`]) or bonds ([`BondId`]). Restoring creates
     /// entities for identities that do not exist yet.
     fn register_component<I: Identity, T: Component + Clone + Serialize + DeserializeOwned>(
         &mut self,
         name: &'static str,
-    ) -> &mut Self;
+    ) -> &mut Self {
+        let entry = Entry {
+            name,
+            is_component: true,
+            capture: Arc::new(capture_component::<I, T>),
+            check: Arc::new(|_, _| Ok(None)),
+            restore: Arc::new(restore_component::<I, T>),
+            forget: |world| keep_components::<I, T>(world, &[]),
+        };
+        register(self.app(), entry);
+        self
+    }
 
     /// Registers a part of the world that `take` reads (`None` if the world does not have it) and
     /// `put` restores.
@@ -104,65 +136,21 @@ pub trait RegisterState {
         name: &'static str,
         take: fn(&mut World) -> Option<T>,
         put: fn(T, &mut World),
-    ) -> &mut Self;
+    ) -> &mut Self {
+        register(self.app(), part(name, take, |_, _| Ok(()), put, |_| {}));
+        self
+    }
 
     /// Registers any other state.
-    fn register_state<S: StateOf + 'static>(&mut self, name: &'static str) -> &mut Self;
+    fn register_state<S: StateOf + 'static>(&mut self, name: &'static str) -> &mut Self {
+        register(self.app(), part(name, S::take, S::check, S::put, S::forget));
+        self
+    }
 }
 
 impl RegisterState for App {
-    fn register_resource<T: Resource + Serialize + DeserializeOwned>(
-        &mut self,
-        name: &'static str,
-    ) -> &mut Self {
-        register(
-            self,
-            Entry {
-                name,
-                is_component: false,
-                capture: Arc::new(|world| {
-                    world.get_resource::<T>().map(postcard::to_stdvec).transpose()
-                }),
-                check: Arc::new(|_, _| Ok(None)),
-                restore: Arc::new(|world, bytes| {
-                    world.insert_resource(postcard::from_bytes::<T>(bytes)?);
-                    Ok(())
-                }),
-                forget: |world| {
-                    world.remove_resource::<T>();
-                },
-            },
-        )
-    }
-
-    fn register_component<I: Identity, T: Component + Clone + Serialize + DeserializeOwned>(
-        &mut self,
-        name: &'static str,
-    ) -> &mut Self {
-        register(
-            self,
-            Entry {
-                name,
-                is_component: true,
-                capture: Arc::new(capture_component::<I, T>),
-                check: Arc::new(|_, _| Ok(None)),
-                restore: Arc::new(restore_component::<I, T>),
-                forget: |world| keep_components::<I, T>(world, &[]),
-            },
-        )
-    }
-
-    fn register_part<T: Serialize + DeserializeOwned + 'static>(
-        &mut self,
-        name: &'static str,
-        take: fn(&mut World) -> Option<T>,
-        put: fn(T, &mut World),
-    ) -> &mut Self {
-        register(self, part(name, take, |_, _| Ok(()), put, |_| {}))
-    }
-
-    fn register_state<S: StateOf + 'static>(&mut self, name: &'static str) -> &mut Self {
-        register(self, part(name, S::take, S::check, S::put, S::forget))
+    fn app(&mut self) -> &mut App {
+        self
     }
 }
 
@@ -186,16 +174,14 @@ fn part<T: Serialize + DeserializeOwned + 'static>(
     }
 }
 
-fn register(app: &mut App, entry: Entry) -> &mut App {
-    app.init_resource::<StateRegistry>();
-    let mut registry = app.world_mut().resource_mut::<StateRegistry>();
+fn register(app: &mut App, entry: Entry) {
+    let mut registry = app.world_mut().get_resource_or_init::<StateRegistry>();
     let name = entry.name;
     let is_new = registry.entries.iter().all(|known| known.name != name);
     assert!(is_new, "state `{name}` is registered twice: give each a name of its own");
     registry.entries.push(entry);
     // A stable sort: entries of one kind stay in the order of registration.
     registry.entries.sort_by_key(|entry| !entry.is_component);
-    app
 }
 
 fn capture_component<I: Identity, T: Component + Clone + Serialize>(

@@ -68,9 +68,9 @@ pub fn attempt_by_error(world: &mut World) {
         control.unchecked += 1;
         if let Some(tried) = whole {
             let mut now = world.resource_mut::<Attempt>();
-            now.solves += tried.solves;
-            now.iterations += tried.iterations;
-            now.motion_steps += tried.motion_steps;
+            now.solves += tried.attempt.solves;
+            now.iterations += tried.attempt.iterations;
+            now.motion_steps += tried.attempt.motion_steps;
             if is_at(world, done + 0.5 * tried.fraction) {
                 control.whole = Some(Whole { end: done + tried.fraction, moment: tried.moment });
             }
@@ -115,9 +115,7 @@ fn moment(world: &World) -> [f64; 4] {
 struct Tried {
     fraction: f64,
     moment: [f64; 4],
-    solves: u32,
-    iterations: u32,
-    motion_steps: u32,
+    attempt: Attempt,
 }
 
 /// Solves an increment and restores the tables. `None` if it has no solution.
@@ -126,15 +124,10 @@ fn try_whole(world: &mut World, fraction: f64) -> Option<Tried> {
     let (bodies, draft) =
         (world.resource::<BodyTable>().clone(), world.resource::<DraftHistory>().clone());
     attempt(world, fraction);
-    let tried = is_committed(world).then(|| {
-        let attempt = world.resource::<Attempt>();
-        Tried {
-            fraction: world.resource::<ClasticProgress>().fraction,
-            moment: moment(world),
-            solves: attempt.solves,
-            iterations: attempt.iterations,
-            motion_steps: attempt.motion_steps,
-        }
+    let tried = is_committed(world).then(|| Tried {
+        fraction: world.resource::<ClasticProgress>().fraction,
+        moment: moment(world),
+        attempt: world.resource::<Attempt>().clone(),
     });
     *world.resource_mut::<ClasticProgress>() = progress;
     *world.resource_mut::<BodyTable>() = bodies;

@@ -17,35 +17,6 @@ use clastic_components::wall::{Wall, WallRotation};
 use clastic_components::wall_shape::WallShape;
 use glam::DVec2;
 
-/// The rigid groups of the world.
-type GroupsOfWorld<'w, 's> = Query<
-    'w,
-    's,
-    (
-        &'static BodyId,
-        &'static RigidGroup,
-        &'static mut BodyPosition,
-        &'static mut BodyRotation,
-        &'static mut LastMotion,
-    ),
-    (With<RigidGroup>, Without<Particle>, Without<Wall>),
->;
-
-/// The walls of the world.
-type WallsOfWorld<'w, 's> = Query<
-    'w,
-    's,
-    (
-        &'static BodyId,
-        &'static mut BodyPosition,
-        &'static mut LastMotion,
-        &'static mut Wall,
-        Option<&'static mut WallShape>,
-        Option<&'static mut WallRotation>,
-    ),
-    (With<Wall>, Without<Particle>),
->;
-
 /// Moves particles, walls and rigid groups and updates velocities.
 pub fn move_bodies(
     tables: SolvedTables,
@@ -63,8 +34,21 @@ pub fn move_bodies(
         ),
         With<Particle>,
     >,
-    mut walls: WallsOfWorld,
-    mut groups: GroupsOfWorld,
+    mut walls: Query<
+        (
+            &BodyId,
+            &mut BodyPosition,
+            &mut LastMotion,
+            &mut Wall,
+            Option<&mut WallShape>,
+            Option<&mut WallRotation>,
+        ),
+        Without<Particle>,
+    >,
+    mut groups: Query<
+        (&BodyId, &RigidGroup, &mut BodyPosition, &mut BodyRotation, &mut LastMotion),
+        (Without<Particle>, Without<Wall>),
+    >,
     cell: Option<ResMut<PeriodicCell>>,
 ) {
     let solved = tables.get();

@@ -45,8 +45,8 @@ fn a_scene_names_the_file_and_the_array() {
     scene::load(&scene, &sets).unwrap_or_else(|e| panic!("{e}"));
     for (tables, what) in [
         (without, "no array `state`"),
-        (with(Array::f64(vec![0.0])), "array `state`: type `float64`"),
-        (with(Array::u8(state[..state.len() - 1].to_vec())), "array `state`: "),
+        (with(Array::column([0.0])), "array `state`: type `float64`"),
+        (with(Array::column(state[..state.len() - 1].to_vec())), "array `state`: "),
     ] {
         assert!(SavedState::read(&tables).is_err(), "{what}");
         fs::write(&file, tables.encode().unwrap()).unwrap();

@@ -7,8 +7,8 @@ use clastic::components::bond::Bond;
 use clastic::components::material::{BondLaw, Materials};
 use clastic::components::particle::{MaterialIndex, Particle};
 use clastic::run::minerals::specimen;
-use clastic::run::particles::ParticleSeed;
 use clastic::run::{Outcome, Simulation};
+use clastic::scene::format::Particle as Seed;
 use glam::DVec2;
 
 use crate::common::{assert_relative, assert_within, load, parse};
@@ -51,7 +51,7 @@ fn a_specimen_is_cut_to_a_disk_with_a_hole_and_a_notch() {
     assert!(disks.iter().all(|(x, ..)| inside(*x)));
     // All that are inside are there: as many as of the whole lattice.
     let whole = clastic::scene::format::Scene { keep: None, ..scene };
-    let count = specimen(&whole, None).iter().filter(|seed| inside(seed.position)).count();
+    let count = specimen(&whole, None).iter().filter(|seed| inside(seed.position.into())).count();
     assert_eq!(disks.len(), count);
     // One disk per 0.866 of the area of pi (15^2 - 4^2) less a triangle of 7.
     let expected = (std::f64::consts::PI * (225.0 - 16.0) - 6.0) / 0.75_f64.sqrt();
@@ -82,7 +82,7 @@ fn layers_and_minerals_have_their_shares_and_follow_places() {
         let area = |name: Option<&str>, layer: bool| -> f64 {
             let of = disks.iter().filter(|seed| {
                 name.is_none_or(|name| seed.material.as_deref() == Some(name))
-                    && layer == (30.0..=40.0).contains(&seed.position.y)
+                    && layer == (30.0..=40.0).contains(&seed.position.1)
             });
             of.map(|seed| seed.radius.powi(2)).sum()
         };
@@ -123,13 +123,13 @@ fn minerals_do_not_depend_on_the_order_of_the_particles() {
             .iter()
             .rev()
             .map(|seed| {
-                let (x, y, r) = (seed.position.x, seed.position.y, seed.radius);
+                let ((x, y), r) = (seed.position, seed.radius);
                 format!("(position: ({x:?}, {y:?}), radius: {r:?}, material: \"rock\")")
             })
             .collect();
         let turned = parse(&text(&format!("Particles([{}])", list.join(", "))));
-        let of = |seeds: Vec<ParticleSeed>| -> BTreeMap<[u64; 2], Option<String>> {
-            let key = |x: DVec2| x.to_array().map(f64::to_bits);
+        let of = |seeds: Vec<Seed>| -> BTreeMap<[u64; 2], Option<String>> {
+            let key = |(x, y): (f64, f64)| [x, y].map(f64::to_bits);
             seeds.into_iter().map(|seed| (key(seed.position), seed.material)).collect()
         };
         let mica = disks.iter().filter(|seed| seed.material.as_deref() == Some("mica")).count();

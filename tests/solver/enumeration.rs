@@ -226,7 +226,8 @@ pub fn coulomb(program: &ConeProgram, swept: f64) -> Option<ConeSolution> {
         (start.status == SolveStatus::Solved).then_some(start)
     };
     let start = Coulomb::sweep(program, &[], swept).or_else(associated)?;
-    let found = Coulomb::default().solve(program, &start, Goal::exact(0.9e-8), 500);
+    let goal = Goal { tolerance: 0.9e-8, at_once: false };
+    let found = Coulomb::default().solve(program, &start, goal, 500);
     (found.status == SolveStatus::Solved).then_some(found)
 }
 
@@ -238,8 +239,11 @@ fn the_first_point_within_the_tolerance_takes_fewer_factorisations() {
     for seed in 0..60 {
         let program = random(seed, true);
         let Some(start) = Coulomb::sweep(&program, &[], LOOSE) else { continue };
-        let solve = |goal| Coulomb::default().solve(&program, &start, goal, 500);
-        let [first, last] = [Goal::enough(0.9e-8), Goal::exact(0.9e-8)].map(solve);
+        let solve = |at_once| {
+            let goal = Goal { tolerance: 0.9e-8, at_once };
+            Coulomb::default().solve(&program, &start, goal, 500)
+        };
+        let [first, last] = [true, false].map(solve);
         assert_eq!(first.status, last.status, "seed {seed}");
         if first.status == SolveStatus::Solved {
             let r = residuals(&program, &first).worst();

@@ -193,10 +193,9 @@ fn slide_all(
     settings: CoulombSettings,
 ) -> Vec<ConeSolution> {
     let mut solver = Coulomb::new(settings);
+    let goal = Goal { tolerance: 0.9 * RESIDUAL, at_once: false };
     let pairs = set.iter().zip(starts);
-    pairs
-        .map(|(p, start)| solver.solve(&p.program, start, Goal::exact(0.9 * RESIDUAL), 600))
-        .collect()
+    pairs.map(|(p, start)| solver.solve(&p.program, start, goal, 600)).collect()
 }
 
 /// The programs that are solved under the associated law, with these solutions.

@@ -3,7 +3,7 @@
 use clastic::cone::certificate::{certificate, proves};
 use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::Condensed;
-use clastic::cone::condensed::interior::{self, End, Interior};
+use clastic::cone::condensed::interior::{self, Goal, Interior, Judge};
 use clastic::cone::condensed::matrix::BodyMatrix;
 use clastic::cone::condensed::scaled::Scaled;
 use clastic::cone::condensed::settings::InteriorSettings;
@@ -281,6 +281,19 @@ fn a_vice_that_closes_on_a_rigid_disk_is_locked() {
     assert!((p - 1e5).abs() < 1e-3, "{p} N");
 }
 
+/// Accepts points whose residual is at most this.
+struct Within(f64);
+
+impl Judge for Within {
+    fn is_solution(&self, point: &Interior) -> bool {
+        point.merit <= self.0
+    }
+
+    fn proof(&self, _: &Interior) -> Option<SolveStatus> {
+        None
+    }
+}
+
 /// In dynamic scenes without bonds the interior point ends at the first point within the tolerance,
 /// and continues up to it.
 #[test]
@@ -291,19 +304,20 @@ fn the_first_point_that_is_enough_ends_the_interior_point() {
         for program in (1..=4).flat_map(|seed| programs(kind, seed)) {
             let pairs: Vec<_> = program.interactions.iter().map(|c| (c.a, c.b)).collect();
             let start = vec![[0.0; 3]; program.bodies.len()];
-            let end = |goal: interior::Goal, enough: f64| {
+            let end = |at_once: bool, enough: f64| {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs);
                 let scaled = Scaled::new(&program, matrix.order());
-                let judge = |point: &Interior| point.merit <= enough;
+                let goal = Goal { residual: 1e-11, at_once, ..Goal::default() };
+                let judge = Within(enough);
                 interior::solve(&scaled, &mut matrix, &start, None, &settings, goal, &judge)
             };
-            let (found, exact) = end(interior::Goal::exact(1e-11), 1e-6);
-            if found != End::Solved || !(exact.merit <= 1e-11) {
+            let (found, exact) = end(false, 1e-6);
+            if found != SolveStatus::Solved || !(exact.merit <= 1e-11) {
                 continue;
             }
-            let (found, first) = end(interior::Goal::enough(1e-11), 1e-6);
-            assert!(found == End::Solved && first.merit <= 1e-6, "{:e}", first.merit);
-            let (_, refused) = end(interior::Goal::enough(1e-11), 1e-11);
+            let (found, first) = end(true, 1e-6);
+            assert!(found == SolveStatus::Solved && first.merit <= 1e-6, "{:e}", first.merit);
+            let (_, refused) = end(true, 1e-11);
             assert!(refused.iterations >= first.iterations && refused.merit <= 1e-11);
             saved += exact.iterations - first.iterations;
             all += exact.iterations;
@@ -325,8 +339,8 @@ fn a_start_that_loads_contacts_wildly_is_none() {
                 let mut matrix = BodyMatrix::new(program.bodies.len(), &pairs);
                 let scaled = Scaled::new(&program, matrix.order());
                 let start: Vec<_> = (0..program.bodies.len()).map(|i| [start(i); 3]).collect();
-                let goal = interior::Goal::exact(1e-8);
-                let judge = |point: &Interior| point.merit <= 1e-8;
+                let goal = Goal { residual: 1e-8, ..Goal::default() };
+                let judge = Within(1e-8);
                 interior::solve(&scaled, &mut matrix, &start, None, &settings, goal, &judge).1
             };
             let near = from(&|_| 0.0);

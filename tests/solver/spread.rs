@@ -109,8 +109,8 @@ fn solutions_from_several_starts() {
             let Some(starts) = starts(program, record.increment) else { continue };
             tried += starts.len();
             let mut solver = Coulomb::default();
-            let found =
-                starts.iter().map(|start| solver.solve(program, start, Goal::exact(0.9e-8), 600));
+            let goal = Goal { tolerance: 0.9e-8, at_once: false };
+            let found = starts.iter().map(|start| solver.solve(program, start, goal, 600));
             let found: Vec<_> = found.filter(|s| s.status == SolveStatus::Solved).collect();
             solved += found.len();
             programs += 1;

@@ -2,17 +2,12 @@
 
 use crate::output::directory;
 use crate::output::marks::marks;
-#[cfg(feature = "report")]
-use crate::output::report;
 use crate::scene::shown;
-#[cfg(feature = "report")]
-use crate::study::PlannedRun;
 use crate::study::{means, planned, table};
 
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure, say};
 
-/// Name of the table of means.
 const MEANS: &str = "study_means.csv";
 
 /// Lock of the two tables.
@@ -28,9 +23,10 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let records = table::records(plan, folder);
     let path = folder.join(table::FILE);
     table::write(&path, plan, &records)?;
-    say(shown::label(&sweep.title))?;
+    say(shown::label(&sweep.study.title))?;
     say(format_args!("written: {}", path.display()))?;
     average(sweep, &records)?;
+    #[cfg(feature = "report")]
     draw(sweep, &records)?;
     let mut marked = 0;
     let mut missing = 0;
@@ -56,24 +52,23 @@ pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
 /// Writes and prints the means, if the study asks for them.
 fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
     let path = sweep.folder.join(MEANS);
-    if sweep.average_over.is_empty() {
+    let over = &sweep.study.average_over;
+    if over.is_empty() {
         // The existing table may come from an earlier form of the study.
         return Ok(directory::remove_if_there(&path)?);
     }
-    let names = means::names(&sweep.plan, &sweep.average_over);
-    let groups = means::groups(&sweep.plan, records, &sweep.average_over);
+    let names = means::names(&sweep.plan, over);
+    let groups = means::groups(&sweep.plan, records, over);
     means::write(&path, &names, &groups)?;
     say(format_args!("written: {}", path.display()))?;
     let peak = table::RESULTS.iter().position(|name| *name == "peak_stress_pa");
     for group in &groups {
         let label = planned::label(&names, &group.values);
         let spread = peak.map(|peak| group.results[peak]).unwrap_or_default();
-        let stress = match (spread.mean, spread.deviation) {
-            (Some(mean), Some(sd)) => {
-                let (mean, sd) = (rounded(1e-6 * mean), rounded(1e-6 * sd));
-                format!("peak {mean} MPa, standard deviation {sd} MPa")
-            }
-            (Some(mean), None) => format!("peak {} MPa", rounded(1e-6 * mean)),
+        let megapascals = |stress: Option<f64>| stress.map(|stress| rounded(1e-6 * stress));
+        let stress = match (megapascals(spread.mean), megapascals(spread.deviation)) {
+            (Some(mean), Some(sd)) => format!("peak {mean} MPa, standard deviation {sd} MPa"),
+            (Some(mean), None) => format!("peak {mean} MPa"),
             (None, _) => "no peak".to_owned(),
         };
         let marked = match group.marked {
@@ -89,20 +84,15 @@ fn average(sweep: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> 
 #[cfg(feature = "report")]
 fn draw(Sweep { plan, folder, .. }: &Sweep, records: &[serde_json::Value]) -> Result<(), Failure> {
     let made = plan.runs.iter().zip(records).filter(|(_, record)| !record.is_null());
-    let named = |run: &PlannedRun| (run.label(&plan.names), folder.join(&run.directory));
-    let runs: Vec<_> = made.map(|(run, _)| named(run)).collect();
+    let named = made.map(|(run, _)| (run.label(&plan.names), folder.join(&run.directory)));
+    let runs: Vec<_> = named.collect();
     let path = folder.join(directory::REPORT);
     if runs.is_empty() {
         // The page may come from an earlier sweep of other runs.
         return Ok(directory::remove_if_there(&path)?);
     }
-    report::write(&runs, &path)?;
+    crate::output::report::write(&runs, &path)?;
     say(format_args!("written: {}", path.display()))
-}
-
-#[cfg(not(feature = "report"))]
-fn draw(_: &Sweep, _: &[serde_json::Value]) -> Result<(), Failure> {
-    Ok(())
 }
 
 /// A number with four significant digits.

@@ -23,7 +23,6 @@ use crate::cli::interrupt::Interrupt;
 /// Time between two checks of the processes.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// A run under way.
 struct Running {
     task: Task,
     child: Child,

@@ -31,17 +31,12 @@ impl From<StudyError> for Failure {
 
 /// A study whose runs are known and sound.
 pub struct Sweep {
-    /// Title of the study.
-    pub title: String,
-    /// The runs.
+    pub study: Study,
     pub plan: Plan,
-    /// Names that the table of means averages over.
-    pub average_over: Vec<String>,
     /// Directory of the runs and of the table.
     pub folder: PathBuf,
 }
 
-/// Makes the runs of a study.
 pub fn sweep(args: &SweepArgs, words: &[OsString], app: &App) -> Result<Exit, Failure> {
     let sweep = read(&args.study, args.out.as_deref(), app)?;
     if args.emit.is_some() {
@@ -70,13 +65,13 @@ fn read(file: &Path, out: Option<&Path>, app: &App) -> Result<Sweep, Failure> {
         Failure::new(Exit::Files, format_args!("{file}: cannot read the study: {error}"))
     })?;
     let study = Study::read(&text, file)?;
-    let plan = plan(&study, file, |wanted| load(wanted, file, app))?;
+    let plan = plan(&study, file, &|wanted| load(wanted, file, app))?;
     let folder = out.map_or_else(|| default_directory(file), Path::to_owned);
-    Ok(Sweep { title: study.title, plan, average_over: study.average_over, folder })
+    Ok(Sweep { study, plan, folder })
 }
 
 /// Reads a scene of a study: a file beside that of the study, or a scene that has a name.
-pub fn load(wanted: Wanted<'_>, study: &Path, app: &App) -> Result<LoadedScene, String> {
+fn load(wanted: Wanted<'_>, study: &Path, app: &App) -> Result<LoadedScene, String> {
     let beside = study.parent().unwrap_or(Path::new("")).join(wanted.scene);
     let resolved = if beside.is_file() { Ok(beside) } else { resolve(wanted.scene) };
     let path = resolved.map_err(|failure| failure.message)?;

@@ -11,7 +11,6 @@ use crate::cli::exit::complain;
 use crate::cli::progress::bar;
 use crate::output::directory;
 
-/// Progress of a sweep.
 pub struct Show {
     bar: Option<ProgressBar>,
     quiet: bool,
@@ -61,7 +60,6 @@ impl Show {
         bar.tick();
     }
 
-    /// Takes the bar away.
     pub fn end(self) {
         self.bar.iter().for_each(ProgressBar::finish_and_clear);
     }

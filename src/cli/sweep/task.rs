@@ -14,12 +14,10 @@ use crate::study::planned::{PlannedRun, Start};
 /// Number of increments between two checkpoints of a run.
 const CHECKPOINT_EVERY: &str = "20";
 
-/// A run of a plan.
+/// A run of a plan, by its index among the preparations or the runs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Task {
-    /// The preparation with this index.
     Prepare(usize),
-    /// The run with this index.
     Run(usize),
 }
 
@@ -42,7 +40,6 @@ fn status(directory: &Path) -> String {
 }
 
 impl Sweep {
-    /// A run of the plan.
     pub fn planned(&self, task: Task) -> &PlannedRun {
         match task {
             Task::Prepare(k) => &self.plan.preparations[k],
@@ -50,7 +47,6 @@ impl Sweep {
         }
     }
 
-    /// Directory of a run.
     pub fn directory(&self, task: Task) -> PathBuf {
         self.folder.join(&self.planned(task).directory)
     }

@@ -1,6 +1,6 @@
 //! Selects the frames of a page: all of them, or the most informative ones of a longer run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use crate::frames::{self, Frame};
@@ -11,16 +11,13 @@ use super::run::Run;
 /// Number of the largest ruptures whose frames are always chosen.
 const EVENTS: usize = 10;
 
-/// A file of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct File {
     /// Increment after which it was taken.
     pub increment: u64,
     /// Whether it is that of the start, the peak or the end.
     pub is_always: bool,
-    /// Whether it is that of the start.
     pub is_start: bool,
-    /// The file.
     pub path: PathBuf,
 }
 
@@ -34,8 +31,7 @@ pub fn files(directory: &Path) -> Result<Vec<File>, OutputError> {
             Some(number) => number,
             None => Frame::read(&path)?.increment,
         };
-        let always = [directory::FRAME_START, directory::FRAME_PEAK, directory::FRAME_END];
-        let is_always = path.file_name().is_some_and(|name| always.iter().any(|n| name == *n));
+        let is_always = directory::OF_MOMENTS.iter().any(|name| path.ends_with(name));
         let is_start = path.ends_with(directory::FRAME_START);
         files.push(File { increment, is_always, is_start, path });
     }
@@ -57,23 +53,18 @@ pub fn choose(files: &[File], run: &Run, most: usize) -> Vec<File> {
     if files.len() <= most {
         return files.to_vec();
     }
-    let mut chosen = vec![false; files.len()];
-    for (k, file) in files.iter().enumerate() {
-        chosen[k] = file.is_always || k == 0 || k + 1 == files.len();
-    }
+    let is_always = |k: &usize| files[*k].is_always || *k == 0 || k + 1 == files.len();
+    let mut chosen: BTreeSet<usize> = (0..files.len()).filter(is_always).collect();
     let mut largest: Vec<_> = run.ruptures.iter().map(|(n, bonds)| (*bonds, *n)).collect();
     largest.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.cmp(&b.1)));
     for (_, increment) in largest.into_iter().take(EVENTS) {
-        let k = files.partition_point(|file| file.increment < increment);
-        if let Some(chosen) = chosen.get_mut(k) {
-            *chosen = true;
-        }
+        let after = files.partition_point(|file| file.increment < increment);
+        chosen.extend(Some(after).filter(|k| *k < files.len()));
     }
     // The next one is always that in the middle of the widest gap of the run's progress.
     let progress = progress(files, run);
-    let mut number = chosen.iter().filter(|chosen| **chosen).count();
-    while number < most {
-        let at: Vec<usize> = (0..files.len()).filter(|k| chosen[*k]).collect();
+    while chosen.len() < most {
+        let at: Vec<usize> = chosen.iter().copied().collect();
         let widest = at.windows(2).filter(|ends| ends[1] > ends[0] + 1).max_by(|x, y| {
             let width = |ends: &[usize]| progress[ends[1]] - progress[ends[0]];
             width(x).total_cmp(&width(y)).then(y[0].cmp(&x[0]))
@@ -82,10 +73,9 @@ pub fn choose(files: &[File], run: &Run, most: usize) -> Vec<File> {
         let middle = 0.5 * (progress[from] + progress[to]);
         let nearest = (from + 1..to)
             .min_by(|x, y| (progress[*x] - middle).abs().total_cmp(&(progress[*y] - middle).abs()));
-        chosen[nearest.unwrap_or(from + 1)] = true;
-        number += 1;
+        chosen.extend(nearest);
     }
-    files.iter().zip(chosen).filter(|(_, chosen)| *chosen).map(|(file, _)| file.clone()).collect()
+    chosen.into_iter().map(|k| files[k].clone()).collect()
 }
 
 /// How far the run is at every frame: path of the axial strain over that of the whole run, plus as

@@ -37,14 +37,15 @@ impl Columns {
         Self { before: codes, ..Self::default() }
     }
 
-    fn planes<const N: usize>(&mut self, values: impl Iterator<Item = [u8; N]> + Clone) {
-        for k in 0..N {
+    /// The lowest `width` bytes of all values.
+    fn planes(&mut self, values: impl Iterator<Item = [u8; 4]> + Clone, width: usize) {
+        for k in 0..width {
             self.bytes.extend(values.clone().map(|bytes| bytes[k]));
         }
     }
 
     /// A column that changes, of whole numbers that `width` bytes hold.
-    fn changing(&mut self, codes: Vec<i32>, width: usize) {
+    pub fn changing(&mut self, codes: Vec<i32>, width: usize) {
         let before = self.before.get(self.codes.len());
         let beyond = 32 - 8 * width as u32;
         let change = |k: usize| {
@@ -53,20 +54,8 @@ impl Columns {
             (((change << 1) ^ (change >> 31)) as u32).to_le_bytes()
         };
         let changes: Vec<_> = (0..codes.len()).map(change).collect();
-        for plane in 0..width {
-            self.bytes.extend(changes.iter().map(|bytes| bytes[plane]));
-        }
+        self.planes(changes.into_iter(), width);
         self.codes.push(codes);
-    }
-
-    /// Bytes that change.
-    pub fn changing_bytes(&mut self, values: &[u8]) {
-        self.changing(values.iter().map(|x| i32::from(*x)).collect(), 1);
-    }
-
-    /// Identities and indices that change.
-    pub fn changing_counts(&mut self, values: &[u32]) {
-        self.changing(values.iter().map(|x| x.cast_signed()).collect(), 4);
     }
 
     /// Numbers over `scale` that change, rounded to `float16`.
@@ -74,14 +63,12 @@ impl Columns {
         self.changing(values.iter().map(|x| ordered(*x, scale)).collect(), 2);
     }
 
-    /// Identities and indices.
     pub fn counts(&mut self, values: &[u32]) {
-        self.planes(values.iter().map(|x| x.to_le_bytes()));
+        self.planes(values.iter().map(|x| x.to_le_bytes()), 4);
     }
 
-    /// Numbers of single precision.
     pub fn numbers(&mut self, values: &[f32]) {
-        self.planes(values.iter().map(|x| x.to_le_bytes()));
+        self.planes(values.iter().map(|x| x.to_le_bytes()), 4);
     }
 
     /// Numbers that change in steps of `step`, of two or three bytes each. Not a number is a row
@@ -105,14 +92,9 @@ impl Columns {
     }
 }
 
-/// Bits of `float16`.
-fn half(x: f32, scale: f64) -> u16 {
-    f16::from_f64(f64::from(x) / scale).to_bits()
-}
-
 /// Bits of `float16` as a whole number that grows with it.
 fn ordered(x: f32, scale: f64) -> i32 {
-    let bits = i32::from(half(x, scale));
+    let bits = i32::from(f16::from_f64(f64::from(x) / scale).to_bits());
     if bits < 0x8000 { bits } else { 0x8000 - bits }
 }
 

@@ -2,14 +2,14 @@
 //! that forces are differences from the preceding frame, like those of bonds. A contact that is
 //! missing in a frame has no force there.
 
-use std::collections::BTreeMap;
-
 use super::columns::Columns;
+use super::distinct;
 use crate::frames::{FramePairs, NONE};
 
 /// The contacts of some frames, ascending: indices of their bodies in the page, and the number of
 /// the row among the rows of a frame with these bodies.
-pub struct Contacts(BTreeMap<(u32, u32, u32), usize>);
+#[derive(Default)]
+pub struct Contacts(Vec<(u32, u32, u32)>);
 
 impl Contacts {
     /// Those of all these frames. `index` is the index of a body in the page.
@@ -17,15 +17,9 @@ impl Contacts {
         frames: impl Iterator<Item = &'a FramePairs>,
         index: impl Fn(u32) -> u32,
     ) -> Self {
-        let mut keys: BTreeMap<_, usize> = BTreeMap::new();
-        for pairs in frames {
-            keys.extend(rows(pairs, &index).map(|(_, key)| (key, 0)));
-        }
-        keys.values_mut().enumerate().for_each(|(k, place)| *place = k);
-        Self(keys)
+        Self(distinct(frames.flat_map(|pairs| rows(pairs, &index)).map(|(_, key)| key)))
     }
 
-    /// Number of contacts.
     pub fn len(&self) -> usize {
         self.0.len()
     }
@@ -36,9 +30,9 @@ impl Contacts {
         let mut before = 0;
         let step =
             |key: &(u32, u32, u32)| key.0.wrapping_sub(std::mem::replace(&mut before, key.0));
-        let first: Vec<_> = self.0.keys().map(step).collect();
+        let first: Vec<_> = self.0.iter().map(step).collect();
         to.counts(&first);
-        let second: Vec<_> = self.0.keys().map(|key| key.1.wrapping_sub(key.0)).collect();
+        let second: Vec<_> = self.0.iter().map(|key| key.1.wrapping_sub(key.0)).collect();
         to.counts(&second);
     }
 
@@ -51,8 +45,8 @@ impl Contacts {
     ) -> Vec<f32> {
         let mut column = vec![0.0; self.len()];
         for (row, key) in rows(pairs, &index) {
-            if let Some(place) = self.0.get(&key) {
-                column[*place] = values[row];
+            if let Ok(place) = self.0.binary_search(&key) {
+                column[place] = values[row];
             }
         }
         column

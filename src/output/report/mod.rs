@@ -12,10 +12,13 @@ mod movie;
 mod run;
 mod scales;
 
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use serde_json::json;
 
+use self::movie::Movie;
+use self::run::Run;
 use super::OutputError;
 use super::atomic::write_atomic;
 
@@ -47,27 +50,24 @@ const MAX_FRAMES: usize = 200;
 
 /// Writes the page of one or several runs. `names` are their names in the page.
 pub fn write(runs: &[(String, PathBuf)], out: &Path) -> Result<(), OutputError> {
-    let mut read = Vec::new();
-    for (name, directory) in runs {
-        read.push(run::Run::read(name, directory)?);
-    }
+    let read = runs.iter().map(|(name, directory)| Run::read(name, directory));
+    let read: Vec<_> = read.collect::<Result<_, _>>()?;
     let movie = match (runs, read.as_slice()) {
         ([(_, directory)], [run]) => movie_of(directory, run)?,
         _ => None,
     };
-    let described = movie.as_ref().map(|movie| movie.description.clone());
     let records: Vec<_> = read.into_iter().map(|run| run.value).collect();
-    let data = json!({ "runs": records, "movie": described });
+    let data = json!({ "runs": records, "movie": movie.as_ref().map(|movie| &movie.description) });
     write_atomic(out, page(&data, movie.as_ref()))
 }
 
 /// The animation of a run: as many frames as fit into the page.
-fn movie_of(directory: &Path, run: &run::Run) -> Result<Option<movie::Movie>, OutputError> {
+fn movie_of(directory: &Path, run: &Run) -> Result<Option<Movie>, OutputError> {
     let files = choose::files(directory)?;
     let mut most = MAX_FRAMES;
     loop {
         let chosen = choose::choose(&files, run, most);
-        let Some(movie) = movie::Movie::read(&chosen)? else { return Ok(None) };
+        let Some(movie) = Movie::read(&chosen)? else { return Ok(None) };
         let size = movie.blocks.iter().map(String::len).sum::<usize>();
         if size <= MAX_FRAMES_SIZE || chosen.len() <= 2 {
             return Ok(Some(movie));
@@ -76,7 +76,7 @@ fn movie_of(directory: &Path, run: &run::Run) -> Result<Option<movie::Movie>, Ou
     }
 }
 
-fn page(data: &serde_json::Value, movie: Option<&movie::Movie>) -> String {
+fn page(data: &serde_json::Value, movie: Option<&Movie>) -> String {
     let titles = data["runs"].as_array().into_iter().flatten();
     let titles: Vec<_> = titles.filter_map(|run| run["record"]["title"].as_str()).collect();
     let title = match titles.as_slice() {
@@ -96,6 +96,11 @@ fn page(data: &serde_json::Value, movie: Option<&movie::Movie>) -> String {
     let (before, after) = PAGE.split_once("{{scripts}}").unwrap_or((PAGE, ""));
     let before = before.replacen("{{title}}", &title, 1).replacen("{{style}}", &STYLES.concat(), 1);
     [before, blocks, after.to_owned()].concat()
+}
+
+/// All values once, ascending.
+fn distinct<T: Ord>(all: impl Iterator<Item = T>) -> Vec<T> {
+    all.collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 /// Text within HTML.

@@ -6,21 +6,20 @@
 //! whole, so that a page can start to read there. Contacts without a bond have one list for the
 //! frames from one whole frame to the next.
 
-use std::collections::BTreeSet;
-
 use glam::DVec2;
 use serde_json::{Value, json};
 
 use super::choose::File;
 use super::columns::{Columns, scale};
 use super::contacts::Contacts;
+use super::distinct;
 use super::scales::{Scales, mean, shear, view};
-use crate::frames::{Frame, NONE, STATES};
+use crate::frames::{Frame, FramePairs, NONE, STATES};
 use crate::output::OutputError;
 use crate::output::corners::joined;
 
 /// State of a bond that is not in a frame.
-const NO_BOND: u8 = 255;
+const NO_BOND: i32 = 255;
 
 /// Frames from one that is whole to the next.
 const KEY: usize = 10;
@@ -62,7 +61,7 @@ impl Movie {
         let mut blocks = vec![still.text().0];
         let mut described = Vec::new();
         let mut before = Vec::new();
-        let mut contacts = Contacts::of(std::iter::empty(), |id| id);
+        let mut contacts = Contacts::default();
         for (k, frame) in frames.iter().enumerate() {
             let is_whole = k % KEY == 0;
             let mut columns = Columns::after(if is_whole { Vec::new() } else { before });
@@ -109,17 +108,15 @@ impl Movie {
 
 impl Rows {
     fn of(frames: &[Frame]) -> Self {
-        let (mut bodies, mut walls, mut bonds) =
-            (BTreeSet::new(), BTreeSet::new(), BTreeSet::new());
-        for frame in frames {
-            bodies.extend(&frame.bodies.id);
-            walls.extend(&frame.walls.id);
-            let pairs = &frame.pairs;
-            let rows = (0..pairs.a.len()).filter(|k| pairs.bond[*k] != NONE);
-            bonds.extend(rows.map(|k| (pairs.a[k], pairs.b[k], pairs.bond[k])));
+        let bonds = |FramePairs { a, b, bond, .. }: &FramePairs| -> Vec<_> {
+            let rows = (0..a.len()).filter(|k| bond[*k] != NONE);
+            rows.map(|k| (a[k], b[k], bond[k])).collect()
+        };
+        Self {
+            bodies: distinct(frames.iter().flat_map(|frame| frame.bodies.id.clone())),
+            walls: distinct(frames.iter().flat_map(|frame| frame.walls.id.clone())),
+            bonds: distinct(frames.iter().flat_map(|frame| bonds(&frame.pairs))),
         }
-        let (bodies, walls) = (bodies.into_iter().collect(), walls.into_iter().collect());
-        Self { bodies, walls, bonds: bonds.into_iter().collect() }
     }
 
     /// Index of a body in the page: particles, then walls.
@@ -198,8 +195,9 @@ impl Rows {
             }
         }
         let mut fragments = vec![0; n];
-        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = self.index(*id));
-        to.changing_counts(&fragments);
+        let fragment = |id: &u32| self.index(*id).cast_signed();
+        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = fragment(id));
+        to.changing(fragments, 4);
 
         let pairs = &frame.pairs;
         let mut states = vec![NO_BOND; self.bonds.len()];
@@ -207,11 +205,11 @@ impl Rows {
         for k in 0..pairs.a.len() {
             let force = [pairs.p_n[k], pairs.q_n[k], pairs.tau_nm[k]];
             if let Ok(bond) = self.bonds.binary_search(&(pairs.a[k], pairs.b[k], pairs.bond[k])) {
-                states[bond] = pairs.state[k];
+                states[bond] = pairs.state[k].into();
                 forces.iter_mut().zip(force).for_each(|(column, f)| column[bond] = f);
             }
         }
-        to.changing_bytes(&states);
+        to.changing(states, 1);
         let kinds = if scales.moment > 0.0 { 3 } else { 2 };
         let of_kind = [scales.force, scales.force, scales.moment].map(scale);
         (0..kinds).for_each(|k| to.changing_halves(&forces[k], of_kind[k]));
@@ -237,11 +235,8 @@ fn since(frames: &mut [Frame], start: usize) {
     }
 }
 
-/// Names of the groups of all frames.
 fn groups(frames: &[Frame]) -> Vec<&str> {
-    let names: BTreeSet<&str> =
-        frames.iter().flat_map(|frame| frame.groups.iter().map(String::as_str)).collect();
-    names.into_iter().collect()
+    distinct(frames.iter().flat_map(|frame| frame.groups.iter().map(String::as_str)))
 }
 
 /// The walls of a frame, with the points of their lines from the origin, m. Straight lines are

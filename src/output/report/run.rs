@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
-use crate::history_columns;
 use crate::output::drive::Drive;
+use crate::output::history::has_column;
 use crate::output::marks::marks;
 use crate::output::read_history::{History, TestPoint};
 use crate::output::{OutputError, directory};
@@ -15,7 +15,6 @@ use crate::output::{OutputError, directory};
 /// Columns of texts.
 const TEXTS: [&str; 4] = ["stage", "status", "caps", "mode"];
 
-/// A run that a page shows.
 pub struct Run {
     /// Its data, as the page reads them.
     pub value: Value,
@@ -26,15 +25,13 @@ pub struct Run {
 }
 
 impl Run {
-    /// Reads a run.
     pub fn read(name: &str, path: &Path) -> Result<Self, OutputError> {
         let record = directory::record(path)?;
         let scene_file = path.join(directory::SCENE);
         let scene = fs::read_to_string(&scene_file).map_err(OutputError::at(&scene_file))?;
         // Columns of probes have a dot in their names.
         let history = table(&path.join(directory::HISTORY), |name| !name.contains('.'))?;
-        let measures: Vec<_> =
-            history.keys().filter(|name| !history_columns::has(name)).cloned().collect();
+        let measures: Vec<_> = history.keys().filter(|name| !has_column(name)).collect();
         let broken = table(&path.join(directory::EVENTS), |name| {
             !name.starts_with("normal") && name != "stage"
         })?;

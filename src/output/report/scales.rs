@@ -46,7 +46,7 @@ pub struct Scales {
     /// Typical normal force times the mean radius, N m; 0 without moments.
     pub moment: f32,
     /// Ranges of colours by name.
-    ranges: Vec<(&'static str, [f32; 2])>,
+    ranges: Value,
 }
 
 impl Scales {
@@ -66,14 +66,14 @@ impl Scales {
         let (low, high) = (BEYOND, 1.0 - BEYOND);
         let (turn, moved) = (at(3, high), at(0, high));
         let (speed, force, stress) = (at(2, high), at(5, high), [at(4, low), at(4, high)]);
-        scales.ranges = vec![
-            ("displacement", [0.0, moved]),
-            ("motion", [0.0, at(1, high)]),
-            ("velocity", [0.0, speed]),
-            ("rotation", [-turn, turn]),
-            ("stress", stress),
-            ("force", [0.0, force]),
-        ];
+        scales.ranges = json!({
+            "displacement": [0.0, moved],
+            "motion": [0.0, at(1, high)],
+            "velocity": [0.0, speed],
+            "rotation": [-turn, turn],
+            "stress": stress,
+            "force": [0.0, force],
+        });
         let typical = |all: &mut f32, quantile: f32| *all = quantile.max(SPREAD * *all);
         typical(&mut scales.rotation, turn);
         typical(&mut scales.stress, stress[0].abs().max(stress[1]));
@@ -113,8 +113,6 @@ impl Scales {
 
     /// The scales as the page reads them.
     pub fn json(&self) -> Value {
-        let ranges: serde_json::Map<_, _> =
-            self.ranges.iter().map(|(name, range)| ((*name).to_owned(), json!(range))).collect();
         json!({
             "step": self.step(),
             "width": self.width,
@@ -123,7 +121,7 @@ impl Scales {
             "velocity": if self.velocity > 0.0 { Some(scale(self.velocity)) } else { None },
             "force": scale(self.force),
             "moment": if self.moment > 0.0 { Some(scale(self.moment)) } else { None },
-            "ranges": ranges,
+            "ranges": self.ranges,
         })
     }
 }
@@ -165,26 +163,20 @@ fn quantile(values: &mut [f32], part: f64) -> f32 {
 /// The box that shows the specimen in these frames without its stray grains, and its walls up to a
 /// quarter of it beyond: left, bottom, right, top from the origin, m.
 pub fn view(frames: &[Frame], origin: [f64; 2]) -> [f64; 4] {
-    let ends = |axis: usize, sign: f64| {
-        let of_frame = |frame: &Frame| -> Vec<f64> {
-            let end = |(row, r): (usize, &f32)| {
-                frame.centre(row)[axis] - origin[axis] + sign * f64::from(*r)
-            };
-            frame.bodies.radius_m.iter().enumerate().map(end).collect()
-        };
-        frames.iter().flat_map(of_frame).collect()
+    let from = |x: [f64; 2]| DVec2::from(x) - DVec2::from(origin);
+    let rows = frames.iter().flat_map(|frame| (0..frame.bodies.id.len()).map(move |k| (frame, k)));
+    let disks = rows.map(|(frame, k)| (from(frame.centre(k)), f64::from(frame.bodies.radius_m[k])));
+    let range = |axis: usize| {
+        let ends = |sign: f64| disks.clone().map(|(x, r)| x[axis] + sign * r).collect();
+        range(ends(-1.0), ends(1.0)).unwrap_or_default()
     };
-    let range = |axis| range(ends(axis, -1.0), ends(axis, 1.0)).unwrap_or_default();
     let ([left, right], [bottom, top]) = (range(0), range(1));
     let disks = (DVec2::new(left, bottom), DVec2::new(right, top));
+    let walls = frames.iter().flat_map(|frame| (0..frame.walls.id.len()).map(move |k| (frame, k)));
     let ends = |thin: bool| -> Vec<[DVec2; 2]> {
-        let of_frame = |frame: &Frame| -> Vec<[DVec2; 2]> {
-            let walls = (0..frame.walls.id.len()).filter(|k| frame.walls.is_thin[*k] == thin);
-            let from = |x: [f64; 2]| DVec2::from(x) - DVec2::from(origin);
-            let pieces = walls.flat_map(|k| frame.wall_line(k).windows(2));
-            pieces.map(|ends| [from(ends[0]), from(ends[1])]).collect()
-        };
-        frames.iter().flat_map(of_frame).collect()
+        let walls = walls.clone().filter(|(frame, k)| frame.walls.is_thin[*k] == thin);
+        let pieces = walls.flat_map(|(frame, k)| frame.wall_line(k).windows(2));
+        pieces.map(|ends| [from(ends[0]), from(ends[1])]).collect()
     };
     let (lines, plates) = (ends(false), ends(true));
     let all = near(disks, &lines).chain(plates.iter().flatten().copied());

@@ -66,14 +66,14 @@ fn columns_that_change_are_differences_and_lose_nothing() {
     let steps = [[0.5, f32::NAN, -9.0], [f32::NAN, 1e9, -1e9], [0.0, -0.25, f32::NAN]];
     let halves = [[0.0, 1.0, -2.5], [-60_000.0, 1.0, 60_000.0], [60_000.0, -1e-7, -60_000.0]];
     let counts = [[0, NONE, 7], [NONE, 0, 8], [1, u32::MAX / 2, u32::MAX / 2 + 1]];
-    let states = [[255, 1, 0], [0, 255, 128], [127, 0, 255]];
+    let states = [[255_u8, 1, 0], [0, 255, 128], [127, 0, 255]];
     for k in 0..3 {
         let mut columns = Columns::after(before);
         columns.changing_steps(&steps[k], 0.25, 2);
         columns.changing_steps(&steps[k], 1e-9, 3);
         columns.changing_halves(&halves[k], 1.0);
-        columns.changing_counts(&counts[k]);
-        columns.changing_bytes(&states[k]);
+        columns.changing(counts[k].iter().map(|x| x.cast_signed()).collect(), 4);
+        columns.changing(states[k].iter().map(|x| i32::from(*x)).collect(), 1);
         let (text, codes) = columns.text();
         let bytes = unpacked(&text);
         assert_eq!(bytes.len(), 3 * (2 + 3 + 2 + 4 + 1));

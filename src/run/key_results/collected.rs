@@ -25,7 +25,8 @@ pub enum Phase {
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct KeyResults {
     pub(super) rigid: bool,
-    /// Stress that the stiffest contact would have at a strain of 1, Pa.
+    /// Stress that the stiffest contact would have at a strain of 1, Pa. Stresses that are small
+    /// relative to it count as round-off.
     pub(super) stiffness: f64,
     /// Delay of ruptures in the last increment with ruptures.
     pub(super) lag: Option<f64>,
@@ -46,7 +47,8 @@ pub struct KeyResults {
     pub(super) collapse: Option<Option<Point>>,
     /// Whether a bond broke, and the stress of the first increment with a rupture.
     pub(super) crack: Option<Option<f64>>,
-    /// Kinetic energy of a dynamic increment over the volume of the particles, J/m^3.
+    /// Kinetic energy of the increment that is recorded next, over the volume of the particles,
+    /// J/m^3; 0 in a static one.
     pub(super) kinetic: f64,
     pub(super) results: Results,
 }
@@ -107,25 +109,13 @@ impl KeyResults {
         let stiffest = all.clone().filter_map(|[normal, ..]| normal).fold(0.0, f64::max);
         let is_rigid = all.flatten().all(|stiffness| stiffness.is_none());
         let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });
-        let results = Self::new(is_rigid).with_stiffness(stiffest / scene.thickness);
-        Self { is_start_unknown, ..results }
+        let stiffness = stiffest / scene.thickness;
+        Self { stiffness, is_start_unknown, ..Self::new(is_rigid) }
     }
 
     /// Results before the run. `rigid` means that nothing in the specimen is elastic.
     pub fn new(rigid: bool) -> Self {
         Self { rigid, ..Self::default() }
-    }
-
-    /// Sets the stiffness of the stiffest contact over the thickness, Pa. Stresses that are small
-    /// relative to it count as round-off.
-    pub fn with_stiffness(self, stiffness: f64) -> Self {
-        Self { stiffness, ..self }
-    }
-
-    /// Sets the kinetic energy of the increment that is recorded next, over the volume of the
-    /// particles, J/m^3; 0 in a static one.
-    pub fn see_motion(&mut self, kinetic: f64) {
-        self.kinetic = kinetic;
     }
 
     /// Records the number of bonds created so far.
@@ -166,9 +156,6 @@ impl KeyResults {
         let results = &mut self.results;
         let [tension, shear, rolling] = o.broken;
         results.bonds_broken = BrokenBonds { tension, shear, rolling };
-        results.bonds_intact = o.bonds;
-        self.see_bonds(o.bonds + tension + shear + rolling);
-        let results = &mut self.results;
         results.solver_iterations += u64::from(o.iterations);
         let collapsed = o.status == IncrementStatus::Collapsed;
         if !collapsed {
@@ -178,6 +165,7 @@ impl KeyResults {
             worst.cone.see(r.cone, o.increment);
             worst.complementarity.see(r.complementarity, o.increment);
         }
+        self.count_bonds(o.bonds + tension + shear + rolling, o.bonds);
         if phase == Phase::Preparation {
             self.start = Point::default();
             self.is_start_unknown = false;

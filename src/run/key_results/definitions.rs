@@ -67,9 +67,7 @@ impl KeyResults {
 
     /// Axial stress at the peak.
     pub(super) fn peak(&self) -> Result<f64, &'static str> {
-        let Some(peak) = self.results.peak_stress_pa else {
-            return Err(NO_CURVE);
-        };
+        let peak = self.results.peak_stress_pa.ok_or(NO_CURVE)?;
         if self.is_start_unknown {
             return Err(UNKNOWN_START);
         }

@@ -37,14 +37,9 @@ impl KeyResults {
             return Err(CAPPED_BEFORE);
         }
         self.is_elastic(&from, &here)?;
-        let lateral = |point: &Point| {
-            // Strains are 0 where the reference stage begins.
-            if point.strain == 0.0 {
-                point.lateral_strain.or(Some(0.0))
-            } else {
-                point.lateral_strain
-            }
-        };
+        // Strains are 0 where the reference stage begins.
+        let at_start = |point: &Point| (point.strain == 0.0).then_some(0.0);
+        let lateral = |point: &Point| point.lateral_strain.or(at_start(point));
         let at_half = |a: f64, b: f64| a + part * (b - a);
         let here_lateral = here.lateral_strain.ok_or(NO_LATERAL_STRAIN)?;
         let before_lateral = lateral(&before).ok_or(NO_LATERAL_STRAIN)?;
@@ -67,17 +62,13 @@ impl KeyResults {
     /// point of the curve. A lateral stress that is not measured counts as constant. A specimen
     /// without stress at the start has no lateral one.
     pub(super) fn lateral_stays_to(&self, to: &Point) -> bool {
-        let place = self.curve.iter().position(|point| point == to);
+        let place = self.curve.iter().position(|point| point == to).unwrap_or(0);
         let start = self.start.lateral_stress.unwrap_or(0.0);
-        self.lateral_stays(Some(start), self.curve[..=place.unwrap_or(0)].iter())
+        self.lateral_stays(Some(start), &self.curve[..=place])
     }
 
     /// Whether the lateral stress is constant, within [`STAYS`], over some points of the curve.
-    fn lateral_stays<'a>(
-        &self,
-        start: Option<f64>,
-        curve: impl Iterator<Item = &'a Point>,
-    ) -> bool {
+    fn lateral_stays(&self, start: Option<f64>, curve: &[Point]) -> bool {
         let (mut first, mut change, mut gain) = (start, 0.0_f64, 0.0_f64);
         for point in curve {
             let Some(lateral) = point.lateral_stress else { continue };
@@ -97,7 +88,7 @@ impl KeyResults {
         let place = self.peak.ok_or(NOT_PASSED)?;
         let at = *self.curve.get(place).ok_or(NOT_PASSED)?;
         let start = self.start.lateral_stress;
-        if !self.lateral_stays(start, self.curve[..=place].iter()) {
+        if !self.lateral_stays(start, &self.curve[..=place]) {
             return Err(LATERAL_CHANGES);
         }
         let rise = peak - self.start.stress;
@@ -123,13 +114,11 @@ impl KeyResults {
                         below twice the strain at the peak",
             );
         }
-        let after: Vec<&Point> = self.curve[place..].iter().collect();
-        let mean = |from: f64, to: f64| mean_over(&after, at.strain, from, to);
+        let mean = |from: f64, to: f64| mean_over(&self.curve[place..], at.strain, from, to);
         let middle = 0.5 * (begin + end);
-        let (first, second) = (mean(begin, middle), mean(middle, end));
-        let (Some(first), Some(second)) = (first, second) else {
-            return Err("the last fifth of the strain has too few increments");
-        };
+        let too_few = "the last fifth of the strain has too few increments";
+        let first = mean(begin, middle).ok_or(too_few)?;
+        let second = mean(middle, end).ok_or(too_few)?;
         if !((second - first).abs() <= LEVEL * (at.stress - self.start.stress).abs()) {
             return Err(
                 "the stress is not level at the end: its means over the last two tenths of \
@@ -202,7 +191,7 @@ impl KeyResults {
 
 /// Mean of the stress over the strain between two values, by trapezoids. Strains are in units of
 /// `unit`. `None` where no increment lies between.
-fn mean_over(curve: &[&Point], unit: f64, from: f64, to: f64) -> Option<f64> {
+fn mean_over(curve: &[Point], unit: f64, from: f64, to: f64) -> Option<f64> {
     let (mut area, mut width) = (0.0, 0.0);
     for pair in curve.windows(2) {
         let (a, b) = (pair[0].strain / unit, pair[1].strain / unit);

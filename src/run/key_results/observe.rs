@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::attempt::IncrementStatus;
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
 use clastic_components::observation::{Observation, RuptureCount};
 use clastic_systems::identities::IdentityTable;
 use clastic_systems::measures::kept::kept_stresses;
@@ -38,29 +38,24 @@ pub fn observe_increment(
     };
     results.see_bonds(identities.next().bond as usize);
     let area: f64 = bodies.radii.iter().map(|r| PI * r * r).sum();
-    results.see_motion(match analysis.kind {
-        AnalysisKind::Dynamic { .. } => observation.kinetic_energy / (area * analysis.thickness),
-        AnalysisKind::Static | AnalysisKind::Compaction { .. } => 0.0,
-    });
+    let volume = area * analysis.thickness;
+    results.kinetic = analysis.kind.dt().map_or(0.0, |_| observation.kinetic_energy / volume);
     results.observe(&observation, phase);
 }
 
 /// Records the bonds that are there. A stage that makes bonds may be the last one, which no
 /// increment follows.
 pub fn count_bonds(world: &mut World) {
-    let created = world.get_resource::<IdentityTable>().map_or(0, |ids| ids.next().bond as usize);
+    let created = world.resource::<IdentityTable>().next().bond as usize;
     let intact = intact(world);
-    if let Some(mut results) = world.get_resource_mut::<KeyResults>() {
-        results.count_bonds(created, intact);
-    }
+    world.resource_mut::<KeyResults>().count_bonds(created, intact);
 }
 
 /// Takes the stresses at the start of the reference stage from the forces of a saved state. Where
 /// the scene has walls of its own they carry nothing yet, and the start stays unknown.
 pub fn start_from_state(world: &mut World) {
     let scene = &world.resource::<Script>().scene;
-    let has_its_walls =
-        world.get_resource::<WallCatalogue>().is_some_and(|walls| walls.inherited.is_some());
+    let has_its_walls = world.resource::<WallCatalogue>().inherited.is_some();
     if !matches!(scene.specimen, Specimen::State { .. }) || !has_its_walls {
         return;
     }

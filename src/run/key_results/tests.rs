@@ -51,7 +51,7 @@ fn moduli_and_peak_count_from_the_start_of_the_reference_stage() {
 /// Results of a reference stage with rows of strain, stress, and whether the increment is
 /// capped.
 fn partly_capped(rows: &[(f64, f64, bool)]) -> Results {
-    let mut key = KeyResults::new(false).with_stiffness(1e6);
+    let mut key = KeyResults { stiffness: 1e6, ..KeyResults::new(false) };
     for (k, (strain, stress, capped)) in rows.iter().enumerate() {
         let status = if *capped { IncrementStatus::Capped } else { IncrementStatus::Solved };
         let row = at(1 + k as u64, Some(*strain), Some(*stress));
@@ -86,9 +86,9 @@ fn a_peak_may_be_capped_and_a_tangent_may_not() {
 fn elastic_constants_are_no_result_of_inertia() {
     let rows = [(0.01, 100.0), (0.02, 200.0), (0.03, 50.0)];
     for (share, is_defined) in [(0.1, false), (0.001, true)] {
-        let mut key = KeyResults::new(false).with_stiffness(1e6);
+        let mut key = KeyResults { stiffness: 1e6, ..KeyResults::new(false) };
         for (k, (strain, stress)) in rows.iter().enumerate() {
-            key.see_motion(share * 0.5 * strain * stress);
+            key.kinetic = share * 0.5 * strain * stress;
             let row = at(1 + k as u64, Some(*strain), Some(*stress));
             let row = Observation { lateral_strain: Some(-0.3 * strain), ..row };
             key.observe(&row, Phase::Reference);
@@ -109,10 +109,10 @@ fn elastic_constants_are_no_result_of_inertia() {
 /// The modulus of a static test was refused for the motion of the stage before.
 #[test]
 fn a_static_stage_does_not_begin_with_the_motion_of_the_stage_before() {
-    let mut key = KeyResults::new(false).with_stiffness(1e6);
-    key.see_motion(1.0);
+    let mut key = KeyResults { stiffness: 1e6, ..KeyResults::new(false) };
+    key.kinetic = 1.0;
     key.observe(&at(1, None, Some(7.0)), Phase::Loading);
-    key.see_motion(0.0);
+    key.kinetic = 0.0;
     for (k, (strain, stress)) in [(0.01, 100.0), (0.02, 200.0), (0.03, 50.0)].iter().enumerate() {
         key.observe(&at(2 + k as u64, Some(*strain), Some(*stress)), Phase::Reference);
     }

@@ -2,13 +2,12 @@
 
 use glam::DVec2;
 
-use crate::run::disks::Disks;
+use crate::run::disks::{Disks, ends};
 use crate::run::minerals::specimen;
-use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{
     Analysis, Cell, CellStrain, CellTarget, Compact, CompactBy, CompactTarget, LidLoad, Load,
-    Scene, Specimen, Stage, Strain, Table, WallControl,
+    Particle, Scene, Specimen, Stage, Strain, Table, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
 use clastic_components::wall;
@@ -30,25 +29,18 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     let reference = reference.filter(|_| is_test(scene));
     let disks = Disks::of(seeds.iter().map(|seed| seed.radius));
     let packed = Packed::of(scene, &seeds, &disks);
-    let analysis = |load: &Load| load.analysis.unwrap_or(scene.analysis);
-    let strain =
-        reference.and_then(|load| Some((load, imposed_strain(scene, load, packed.as_ref())?)));
-    let increment = strain
-        .filter(|(load, _)| matches!(analysis(load), Analysis::Static))
-        .map(|(_, strain)| strain);
-    let shear = |load: &Load| of_increment(load, load.cell.as_ref()?.shear);
-    let number = reference.and_then(|load| match analysis(load) {
-        Analysis::Dynamic { dt, .. } => {
-            let strain = strain.map(|(_, strain)| strain).into_iter().chain(shear(load));
-            let rate = strain.max_by(f64::total_cmp)? / dt;
-            inertial(rate, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
-        }
-        Analysis::Static => None,
-    });
+    let strain = reference.and_then(|load| imposed_strain(scene, load, packed.as_ref()));
+    let dt = reference.and_then(|load| time_step(scene, load));
+    let number = || {
+        let load = reference?;
+        let shear = load.cell.as_ref().and_then(|cell| of_increment(load, cell.shear));
+        let rate = strain.into_iter().chain(shear).max_by(f64::total_cmp)? / dt?;
+        inertial(rate, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
+    };
     let mut report = Report {
         stiffness_over_pressure: grains.level(pressure).filter(|_| is_test(scene)),
-        inertial_number: number,
-        increment_over_elastic_strain: grains.steps(increment, pressure),
+        inertial_number: number(),
+        increment_over_elastic_strain: grains.steps(strain.filter(|_| dt.is_none()), pressure),
         disks_across: packed.map(|packed| packed.across()).filter(|_| is_specimen(scene)),
         ..Report::default()
     }
@@ -105,6 +97,14 @@ fn kept(stored: Option<&StoredSpecimen>) -> Option<f64> {
     walls.chain(pressures).filter(|stress| *stress > 0.0).min_by(f64::total_cmp)
 }
 
+/// Time step of a stage, s; `None` of a static one.
+fn time_step(scene: &Scene, load: &Load) -> Option<f64> {
+    match load.analysis.unwrap_or(scene.analysis) {
+        Analysis::Dynamic { dt, .. } => Some(dt),
+        Analysis::Static => None,
+    }
+}
+
 /// Axial strain that a stage imposes in an increment; `None` where it is not imposed by a constant
 /// motion of the walls, or of the cell, from which it is measured.
 fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option<f64> {
@@ -123,10 +123,7 @@ fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option
             };
             let moved = compaction(scene).filter(is_moved).and(packed).map(|packed| packed.height);
             let distance = moved.map_or(drawn, |height| height.min(drawn));
-            let dt = match load.analysis.unwrap_or(scene.analysis) {
-                Analysis::Dynamic { dt, .. } => dt,
-                Analysis::Static => 0.0,
-            };
+            let dt = time_step(scene, load).unwrap_or(0.0);
             let motion = |name: &String| match load.walls.get(name) {
                 Some(WallControl::Displacement(x, y)) => normal.dot(DVec2::new(*x, *y)),
                 Some(WallControl::Velocity(x, y)) => dt * normal.dot(DVec2::new(*x, *y)),
@@ -179,12 +176,10 @@ impl Packed {
     /// A random packing fills the grid from which it is drawn. A compaction brings it to the
     /// height, or the porosity, of its target; where none does, its height is not known and its
     /// width decides. One that is cut out of a cell is as large as the part that is left.
-    fn of(scene: &Scene, seeds: &[ParticleSeed], disks: &Disks) -> Option<Self> {
+    fn of(scene: &Scene, seeds: &[Particle], disks: &Disks) -> Option<Self> {
         let Disks { area, largest, .. } = *disks;
-        let side = |of: fn(&ParticleSeed) -> f64| {
-            let low = seeds.iter().map(|seed| of(seed) - seed.radius).min_by(f64::total_cmp);
-            let high = seeds.iter().map(|seed| of(seed) + seed.radius).max_by(f64::total_cmp);
-            Some(high? - low?)
+        let side = |of: fn(&Particle) -> f64| {
+            ends(seeds.iter().map(|seed| (of(seed), seed.radius))).map(|(low, high)| high - low)
         };
         if seeds.is_empty() {
             return None;
@@ -195,7 +190,7 @@ impl Packed {
                 let rows = count.div_ceil((*columns).max(1));
                 (f64::from(*columns) * spacing, f64::from(rows) * spacing)
             }
-            (None, _) => (side(|seed| seed.position.x)?, side(|seed| seed.position.y)?),
+            (None, _) => (side(|seed| seed.position.0)?, side(|seed| seed.position.1)?),
         };
         let density = scene.materials.values().next()?.density;
         let mean_mass = density * scene.thickness * area / seeds.len() as f64;

@@ -13,6 +13,7 @@ use clastic_systems::measures::strain::shear_of;
 
 use super::material::{Grains, inertial};
 use super::{Report, is_specimen, is_test};
+use crate::run::disks::ends;
 use crate::run::script::Script;
 use crate::scene::format::Scene;
 
@@ -176,10 +177,8 @@ fn across(bodies: &BodyTable) -> Option<f64> {
     let n = bodies.particles;
     let largest = bodies.radii[..n].iter().copied().max_by(f64::total_cmp)?;
     let side = |axis: usize| {
-        let ends = bodies.positions[..n].iter().zip(&bodies.radii);
-        let low = ends.clone().map(|(x, r)| x[axis] - r).min_by(f64::total_cmp)?;
-        let high = ends.map(|(x, r)| x[axis] + r).max_by(f64::total_cmp)?;
-        Some(high - low)
+        let disks = bodies.positions[..n].iter().zip(&bodies.radii);
+        ends(disks.map(|(x, r)| (x[axis], *r))).map(|(low, high)| high - low)
     };
     let (width, height) = match &bodies.cell {
         Some(cell) => (cell.width, cell.height),

@@ -1,5 +1,7 @@
 //! Heights at which compactions end, so that later stages know where the specimen is.
 
+use std::cell::LazyCell;
+
 use crate::run::disks::Disks;
 use crate::run::minerals::specimen;
 use crate::scene::format::{Compact, CompactBy, CompactTarget, Scene, Stage};
@@ -9,12 +11,8 @@ use crate::scene::specimen_file::StoredSpecimen;
 /// Of every compaction by a wall to a porosity, the distance of wall and base at its end,
 /// A/((1 - n) L) with the area A of the disks and the length L of the base, in a line each.
 pub fn heights(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<String> {
-    let mut area = None;
-    let mut area = || {
-        *area.get_or_insert_with(|| {
-            Disks::of(specimen(scene, stored).iter().map(|seed| seed.radius)).area
-        })
-    };
+    let radii = || specimen(scene, stored).into_iter().map(|seed| seed.radius);
+    let area = LazyCell::new(|| Disks::of(radii()).area);
     let mut lines = Vec::new();
     for stage in &scene.stages {
         let Stage::Compact(Compact { name, wall, base, target, by: CompactBy::Boundary, .. }) =
@@ -33,7 +31,7 @@ pub fn heights(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<String> {
             "stage {} ends with {} {:.4e} m from {}",
             label(name),
             label(wall),
-            area() / ((1.0 - porosity) * length),
+            *area / ((1.0 - porosity) * length),
             label(&base.name)
         ));
     }

@@ -2,11 +2,11 @@
 
 use super::material::Grains;
 use super::{OVERLAP, is_specimen};
-use crate::run::particles::ParticleSeed;
 use crate::run::wall_pieces::pieces;
-use crate::scene::format::{Scene, Specimen, Stage, Strain, WallControl};
+use crate::scene::format::{Particle, Scene, Specimen, Stage, Strain, WallControl};
 use crate::scene::shown::label;
 use clastic_systems::detect_contacts::grid::pairs_within;
+use glam::DVec2;
 
 /// Coefficient of friction above which an angle in degrees was meant: the tangent of 63 degrees.
 const TANGENT: f64 = 2.0;
@@ -27,7 +27,7 @@ const LARGE: f64 = 0.1;
 pub(super) fn mistakes(
     scene: &Scene,
     grains: &Grains,
-    seeds: &[ParticleSeed],
+    seeds: &[Particle],
     pressure: Option<f64>,
 ) -> Vec<String> {
     let mut list: Vec<String> = frictions(scene)
@@ -133,13 +133,13 @@ fn long_bonds(scene: &Scene, mean: f64) -> Vec<String> {
 
 /// Warning of disks that overlap at the start by more than linear contacts assume, with each other
 /// or with a wall.
-fn overlap(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
+fn overlap(scene: &Scene, seeds: &[Particle]) -> Option<String> {
     if matches!(scene.specimen, Specimen::State { .. }) {
         return None;
     }
-    let (places, radii): (Vec<_>, Vec<_>) = seeds.iter().map(|s| (s.position, s.radius)).unzip();
-    let mut pairs = Vec::new();
-    pairs_within(&places, &radii, 0.0, &mut pairs);
+    let (places, radii): (Vec<DVec2>, Vec<_>) =
+        seeds.iter().map(|seed| (DVec2::from(seed.position), seed.radius)).unzip();
+    let mut pairs = pairs_within(&places, &radii, 0.0);
     let of_pair = |(a, b): (u32, u32)| {
         let (a, b) = (a as usize, b as usize);
         let gap = places[a].distance(places[b]) - radii[a] - radii[b];
@@ -149,7 +149,7 @@ fn overlap(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
     let of_walls = all.iter().flat_map(|wall| {
         pieces(wall).into_iter().flat_map(move |piece| {
             seeds.iter().enumerate().map(move |(i, seed)| {
-                let overlap = 1.0 - piece.distance(seed.position) / seed.radius;
+                let overlap = 1.0 - piece.distance(seed.position.into()) / seed.radius;
                 (overlap, format!("particle {i} and wall {}", label(&wall.name)))
             })
         })

@@ -15,11 +15,11 @@ use clastic_components::wall::WallName;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::{displacement_scale, force_scale};
 
-use crate::run::particles::ParticleSeed;
 use crate::run::script::{EndedBy, Script};
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{
-    Analysis, Load, Motion, Scene, Slide, Specimen, Stage, Strain, Table, Wall, WallControl,
+    Analysis, Load, Motion, Particle, Scene, Slide, Specimen, Stage, Strain, Table, Wall,
+    WallControl,
 };
 use crate::scene::shown::label;
 
@@ -80,14 +80,11 @@ pub fn follow_driven(
     };
     let felt = |name: &String| carried.is_felt(name);
     let Some(mut untouched) = untouched else {
-        let now = driven();
+        let mut now = driven();
         if !now.is_empty() {
-            let now = now.into_iter().filter(|name| !felt(name)).collect();
-            commands.insert_resource(Untouched {
-                stage: progress.stage,
-                now,
-                ..Default::default()
-            });
+            now.retain(|name| !felt(name));
+            let (stage, before) = (progress.stage, Vec::new());
+            commands.insert_resource(Untouched { stage, now, before });
         }
         return;
     };
@@ -98,9 +95,7 @@ pub fn follow_driven(
             untouched.before.push((stage.name().to_owned(), names));
         }
     }
-    if !untouched.now.is_empty() {
-        untouched.now.retain(|name| !felt(name));
-    }
+    untouched.now.retain(|name| !felt(name));
 }
 
 impl Untouched {
@@ -169,7 +164,7 @@ fn comes_near(wall: &Wall, motion: DVec2) -> bool {
 
 /// Warning before the run: in the first stage that loads the specimen no wall reaches a particle,
 /// and nothing else could bring particles to the walls.
-pub(super) fn out_of_reach(scene: &Scene, seeds: &[ParticleSeed]) -> Option<String> {
+pub(super) fn out_of_reach(scene: &Scene, seeds: &[Particle]) -> Option<String> {
     let takes_no_increment =
         |stage: &&Stage| matches!(stage, Stage::Cement(_) | Stage::Save(_) | Stage::Remove(_));
     let first = scene.stages.iter().position(|stage| !takes_no_increment(&stage))?;
@@ -199,8 +194,9 @@ pub(super) fn out_of_reach(scene: &Scene, seeds: &[ParticleSeed]) -> Option<Stri
         };
         let wall = scene.walls.iter().find(|wall| wall.name == *name)?;
         let way = if comes_near(wall, u) { u.length() * f64::from(load.increments) } else { 0.0 };
-        let reaches = |seed: &ParticleSeed| {
-            pieces(wall).iter().any(|piece| piece.distance(seed.position) - seed.radius <= way)
+        let reaches = |seed: &Particle| {
+            let place = seed.position.into();
+            pieces(wall).iter().any(|piece| piece.distance(place) - seed.radius <= way)
         };
         if seeds.iter().any(reaches) {
             return None;

@@ -13,7 +13,6 @@ mod measures;
 mod output;
 mod particle_control;
 mod pour;
-mod repeat;
 mod specimen;
 mod stages;
 mod walls;
@@ -45,8 +44,8 @@ pub use measures::{Area, Length, Measure, Quantity, ROLES, Strain, Stress};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
-pub(super) use repeat::MAX_STAGES;
 pub use specimen::{Clusters, ExplicitBond, Mineral, Particle, Sizes, Specimen};
+pub(super) use stages::MAX_STAGES;
 pub use stages::{Cement, CustomStage, Remove, Save, Stage, Stop};
 pub use walls::{LidLoad, Table, Wall, WallControl, WallShape};
 
@@ -116,7 +115,7 @@ pub struct Scene {
     #[serde(skip)]
     pub rigid_at_start: Vec<String>,
     /// Stages, in order.
-    #[serde(deserialize_with = "repeat::deserialize")]
+    #[serde(deserialize_with = "stages::deserialize")]
     pub stages: Vec<Stage>,
     /// Stage at whose start strains are zero; the last stage if left out.
     pub reference_stage: Option<String>,
@@ -163,19 +162,13 @@ impl Scene {
     /// The strain of a name; `None` if there is none, or the measure is no strain.
     #[must_use]
     pub fn strain(&self, name: &str) -> Option<&Strain> {
-        match self.measure(name) {
-            Some(Quantity::Strain(strain)) => Some(strain),
-            _ => None,
-        }
+        if let Some(Quantity::Strain(strain)) = self.measure(name) { Some(strain) } else { None }
     }
 
     /// The stress of a name; `None` if there is none, or the measure is no stress.
     #[must_use]
     pub fn stress(&self, name: &str) -> Option<&Stress> {
-        match self.measure(name) {
-            Some(Quantity::Stress(stress)) => Some(stress),
-            _ => None,
-        }
+        if let Some(Quantity::Stress(stress)) = self.measure(name) { Some(stress) } else { None }
     }
 
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then

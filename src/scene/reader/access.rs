@@ -1,28 +1,107 @@
 //! Access to the parts of a value: fields of structs, items of lists, tuples and maps, and variants
 //! of enums.
 
-use serde::de::value::StrDeserializer;
+use std::iter::from_fn;
+
+use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
 use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};
 
-use super::context::{Failure, found};
+use super::read::{Failure, found};
 use super::spans::{is_group, join};
 use super::suggest;
-use super::tree::{Entry, Key, Shape};
+use super::tree::{Entry, Key, Node, Shape};
 use super::tree_reader::Reader;
 
-fn name(text: &str) -> StrDeserializer<'_, Failure> {
-    text.into_deserializer()
+impl<'a> IntoDeserializer<'a, Failure> for Reader<'a> {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
+    }
 }
 
 impl<'a> Reader<'a> {
+    /// Reads the fields of a struct, without unknown and repeated ones, which are recorded.
     pub(super) fn fields<V: Visitor<'a>>(
         self,
         allowed: &'static [&'static str],
         visitor: V,
     ) -> Result<V::Value, Failure> {
-        let at = self.node.span.start;
-        let fields = Fields { reader: &self, allowed, given: Vec::new(), next: 0, value: None };
-        visitor.visit_map(fields).map_err(|failure| failure.inside(&self.path, at))
+        let Self { cx, node, path, .. } = &self;
+        let mut entries = node.entries.iter().enumerate();
+        let mut given = Vec::new();
+        let fields = from_fn(|| {
+            let written = entries.by_ref().find_map(|(k, entry)| {
+                let Some(key) = &entry.key else {
+                    self.note_unnamed(k);
+                    return None;
+                };
+                let field = self.field_meant(key, allowed, &given)?;
+                let value = Reader::new(cx, &entry.value, join(path, field)).named_for(field);
+                Some((field, value))
+            });
+            let made_up = || {
+                let is_missing = |field: &str| {
+                    let path = join(path, field);
+                    cx.missing.iter().any(|placed| placed.finding.path == path)
+                };
+                let is_made_up = self.is_made_up();
+                let is_due = |field: &&&str| {
+                    let is_due = is_made_up || (!cx.missing.is_empty() && is_missing(field));
+                    is_due && !given.contains(*field)
+                };
+                Some((*allowed.iter().find(is_due)?, self.made_up()))
+            };
+            let (field, value) = written.or_else(made_up)?;
+            given.push(field);
+            Some((field, value))
+        });
+        let result = visitor.visit_map(MapDeserializer::new(fields));
+        result.map_err(|failure: Failure| failure.inside(path, node.span.start))
+    }
+
+    /// The field that a key stands for, if it is none of those that are `given` already.
+    fn field_meant(
+        &self,
+        key: &Key,
+        allowed: &'static [&'static str],
+        given: &[&str],
+    ) -> Option<&'static str> {
+        let Self { cx, node, path, .. } = self;
+        let at = key.span.start;
+        if key.quoted {
+            let message = "a field name in quotes".to_owned();
+            cx.note(at, &join(path, &key.text), message, "leave the quotes out");
+        }
+        if let Some(field) = allowed.iter().find(|field| **field == key.text) {
+            if given.contains(field) {
+                let message = format!("`{field}` is given twice");
+                cx.note(at, &join(path, field), message, "give it once");
+                return None;
+            }
+            return Some(*field);
+        }
+        let meant = suggest::nearest(&key.text, allowed.iter().copied());
+        let list = suggest::list(allowed);
+        let help = match meant {
+            Some(field) => format!("did you mean `{field}`? the fields here are {list}"),
+            None => format!("the fields here are {list}"),
+        };
+        cx.note(at, &join(path, &key.text), format!("unknown field `{}`", key.text), help);
+        let field = meant.filter(|field| !given.contains(field) && node.entry(field).is_none())?;
+        cx.notes.borrow_mut().renamed.push((join(path, field), join(path, &key.text)));
+        Some(field)
+    }
+
+    /// Records that the entry of an index has no name.
+    fn note_unnamed(&self, k: usize) {
+        let value = &self.node.entries[k].value;
+        let message = format!("expected `name: value`, found {}", found(value));
+        let before = k.checked_sub(1).map(|before| &self.node.entries[before].value);
+        let is_number = |value: &Node| value.shape == Shape::Number;
+        let is_decimal = is_number(value) && before.is_some_and(is_number);
+        let help = if is_decimal { "a decimal has a point, no comma" } else { "" };
+        self.cx.note(value.span.start, &self.path, message, help);
     }
 
     /// The remedy where values have no names.
@@ -34,189 +113,58 @@ impl<'a> Reader<'a> {
             _ => format!("write `name: value`; the fields here are {}", suggest::list(fields)),
         }
     }
-}
 
-/// Fields of a struct without unknown and repeated fields, which are recorded.
-struct Fields<'r, 'a> {
-    reader: &'r Reader<'a>,
-    allowed: &'static [&'static str],
-    given: Vec<&'static str>,
-    next: usize,
-    /// Value of the last returned field; `None` means a value to be made up.
-    value: Option<Reader<'a>>,
-}
-
-impl<'a> Fields<'_, 'a> {
-    /// The field that a key stands for.
-    fn meant(&self, key: &Key) -> Option<&'static str> {
-        let Reader { cx, node, path, .. } = self.reader;
-        let at = key.span.start;
-        if key.quoted {
-            let message = "a field name in quotes".to_owned();
-            cx.note(at, &join(path, &key.text), message, "leave the quotes out");
-        }
-        if let Some(field) = self.allowed.iter().find(|field| **field == key.text) {
-            if self.given.contains(field) {
-                let message = format!("`{field}` is given twice");
-                cx.note(at, &join(path, field), message, "give it once");
-                return None;
-            }
-            return Some(*field);
-        }
-        let meant = suggest::nearest(&key.text, self.allowed.iter().copied());
-        let list = suggest::list(self.allowed);
-        let help = match meant {
-            Some(field) => format!("did you mean `{field}`? the fields here are {list}"),
-            None => format!("the fields here are {list}"),
-        };
-        cx.note(at, &join(path, &key.text), format!("unknown field `{}`", key.text), help);
-        let keys = || node.entries.iter().filter_map(|entry| entry.key.as_ref());
-        let open =
-            |field: &&str| !self.given.contains(field) && keys().all(|key| key.text != **field);
-        let meant = meant.filter(open);
-        if let Some(field) = meant {
-            cx.renamed(join(path, field), join(path, &key.text));
-        }
-        meant
-    }
-}
-
-impl<'a> de::MapAccess<'a> for Fields<'_, 'a> {
-    type Error = Failure;
-
-    fn next_key_seed<S: DeserializeSeed<'a>>(
-        &mut self,
-        seed: S,
-    ) -> Result<Option<S::Value>, Failure> {
-        let Reader { cx, node, path, .. } = self.reader;
-        let mut field = None;
-        while let Some(entry) = node.entries.get(self.next) {
-            self.next += 1;
-            if let Some(key) = &entry.key {
-                field = self.meant(key);
-                self.value = field
-                    .map(|field| Reader::new(cx, &entry.value, join(path, field)).named_for(field));
-                if field.is_some() {
-                    break;
-                }
-            } else {
-                let message = format!("expected `name: value`, found {}", found(&entry.value));
-                let number = |entry: &Entry| entry.value.shape == Shape::Number;
-                let before = node.entries.get(self.next.wrapping_sub(2));
-                let help = if number(entry) && before.is_some_and(number) {
-                    "a decimal has a point, no comma"
-                } else {
-                    ""
-                };
-                cx.note(entry.value.span.start, path, message, help);
-            }
-        }
-        if field.is_none() {
-            let absent = |field: &&&str| {
-                let is_made_up = || {
-                    let is_absent = !cx.absent.is_empty() && cx.absent.contains(&join(path, field));
-                    self.reader.is_made_up() || is_absent
-                };
-                !self.given.contains(field) && is_made_up()
-            };
-            field = self.allowed.iter().find(absent).copied();
-            self.value = None;
-        }
-        let Some(field) = field else { return Ok(None) };
-        self.given.push(field);
-        seed.deserialize(name(field)).map(Some)
-    }
-
-    fn next_value_seed<S: DeserializeSeed<'a>>(&mut self, seed: S) -> Result<S::Value, Failure> {
-        seed.deserialize(self.value.take().unwrap_or_else(|| self.reader.made_up()))
-    }
-}
-
-impl<'a> Reader<'a> {
+    /// Reads the values of a tuple.
     pub(super) fn values<V: Visitor<'a>>(
         self,
         length: usize,
         visitor: V,
     ) -> Result<V::Value, Failure> {
         if self.is_made_up() || self.node.entries.len() == length {
-            return visitor.visit_seq(Items { reader: &self, next: 0, length });
+            return self.items(length, visitor);
         }
         self.expected(&format!("{length} values in brackets")).values(length, visitor)
     }
-}
 
-/// Items of a list or a tuple.
-pub(super) struct Items<'r, 'a> {
-    pub(super) reader: &'r Reader<'a>,
-    pub(super) next: usize,
-    pub(super) length: usize,
-}
-
-impl<'a> de::SeqAccess<'a> for Items<'_, 'a> {
-    type Error = Failure;
-
-    fn next_element_seed<S: DeserializeSeed<'a>>(
-        &mut self,
-        seed: S,
-    ) -> Result<Option<S::Value>, Failure> {
-        if self.next == self.length {
-            return Ok(None);
-        }
-        let Reader { cx, node, path, unit, .. } = self.reader;
-        let item = match node.entries.get(self.next) {
+    /// Reads the items of a list or a tuple.
+    pub(super) fn items<V: Visitor<'a>>(
+        &self,
+        length: usize,
+        visitor: V,
+    ) -> Result<V::Value, Failure> {
+        let item = |k: usize| match self.node.entries.get(k) {
             Some(entry) => {
-                let path = format!("{path}[{}]", self.next);
-                Reader { unit: *unit, ..Reader::new(cx, &entry.value, path) }
+                let path = format!("{}[{k}]", self.path);
+                Reader { unit: self.unit, ..Reader::new(self.cx, &entry.value, path) }
             }
-            None => self.reader.made_up(),
+            None => self.made_up(),
         };
-        self.next += 1;
-        seed.deserialize(item).map(Some)
+        visitor.visit_seq(SeqDeserializer::new((0..length).map(item)))
     }
-}
 
-/// Entries of a map with text keys.
-pub(super) struct Pairs<'r, 'a> {
-    pub(super) reader: &'r Reader<'a>,
-    pub(super) next: usize,
-    /// The value of the last returned key.
-    pub(super) value: Option<Reader<'a>>,
-}
-
-impl<'a> de::MapAccess<'a> for Pairs<'_, 'a> {
-    type Error = Failure;
-
-    fn next_key_seed<S: DeserializeSeed<'a>>(
-        &mut self,
-        seed: S,
-    ) -> Result<Option<S::Value>, Failure> {
-        let Reader { cx, node, path, .. } = self.reader;
-        while let Some(entry) = node.entries.get(self.next) {
-            self.next += 1;
+    /// Reads the entries of a map with text keys.
+    pub(super) fn pairs<V: Visitor<'a>>(self, visitor: V) -> Result<V::Value, Failure> {
+        let Self { cx, node, path, .. } = self;
+        let pairs = node.entries.iter().enumerate().filter_map(|(k, entry)| {
             let Some(key) = &entry.key else {
                 let message = format!("expected `\"name\": value`, found {}", found(&entry.value));
-                cx.note(entry.value.span.start, path, message, "put a name and `:` before it");
-                continue;
+                cx.note(entry.value.span.start, &path, message, "put a name and `:` before it");
+                return None;
             };
-            let path = join(path, &key.text);
+            let path = join(&path, &key.text);
             if !key.quoted {
                 let help = format!("write `\"{}\"`", key.text.trim_matches('\''));
                 cx.note(key.span.start, &path, "a key without quotes".to_owned(), help);
             }
-            let mut earlier = node.entries[..self.next - 1].iter().flat_map(|entry| &entry.key);
+            let mut earlier = node.entries[..k].iter().flat_map(|entry| &entry.key);
             if earlier.any(|other| other.text == key.text) {
                 let message = format!("`{}` is given twice", key.text);
                 cx.note(key.span.start, &path, message, "give it once");
-                continue;
+                return None;
             }
-            self.value = Some(Reader::new(cx, &entry.value, path));
-            return seed.deserialize(name(&key.text)).map(Some);
-        }
-        Ok(None)
-    }
-
-    fn next_value_seed<S: DeserializeSeed<'a>>(&mut self, seed: S) -> Result<S::Value, Failure> {
-        seed.deserialize(self.value.take().unwrap_or_else(|| self.reader.made_up()))
+            Some((key.text.as_str(), Reader::new(cx, &entry.value, path)))
+        });
+        visitor.visit_map(MapDeserializer::new(pairs))
     }
 }
 
@@ -231,7 +179,7 @@ impl<'a> de::EnumAccess<'a> for Variant<'a> {
     type Variant = Self;
 
     fn variant_seed<S: DeserializeSeed<'a>>(self, seed: S) -> Result<(S::Value, Self), Failure> {
-        Ok((seed.deserialize(name(self.name))?, self))
+        Ok((seed.deserialize(StrDeserializer::<Failure>::new(self.name))?, self))
     }
 }
 

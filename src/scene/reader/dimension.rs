@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use super::units::parse;
+use crate::scene::values::a_number;
 
 /// Dimension of an expression: a product of powers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::scene) struct Dimension {
-    /// Powers of m, kg and s. An angle is a plain number.
-    powers: [f64; 3],
-    /// Powers of names.
+    /// Powers of m, kg and s, apart from those of names. An angle is a plain number.
+    pub powers: [f64; 3],
     names: BTreeMap<String, f64>,
     /// Whether a number without a name is a factor. It may have a unit where nothing else has one:
     /// `1e6 * scale`.
@@ -25,21 +25,14 @@ impl Dimension {
         Self { has_literal: true, ..Self::default() }
     }
 
-    /// That of a name.
     pub fn of_name(name: &str) -> Self {
         Self { names: [(name.to_owned(), 1.0)].into(), ..Self::default() }
     }
 
-    /// That of a unit.
     pub fn of_unit(unit: &str) -> Self {
         let powers = parse(&unit.replace('^', "")).map_or([0; 4], |(_, powers)| powers);
         let [m, kg, s, _] = powers.map(f64::from);
         Self { powers: [m, kg, s], ..Self::default() }
-    }
-
-    /// Powers of m, kg and s, apart from those of names.
-    pub fn powers(&self) -> [f64; 3] {
-        self.powers
     }
 
     /// Product with a power of another dimension.
@@ -69,17 +62,14 @@ impl Dimension {
 
     /// The unit in words.
     fn said(&self) -> String {
-        const UNITS: [&str; 12] =
-            ["m", "s", "kg", "N", "Pa", "N/m", "m^2", "m/s", "m/s^2", "kg/m^3", "N m", "kg/s"];
-        if self.powers == [0.0; 3] {
-            return "a plain number".to_owned();
-        }
+        const UNITS: [&str; 13] =
+            ["", "m", "s", "kg", "N", "Pa", "N/m", "m^2", "m/s", "m/s^2", "kg/m^3", "N m", "kg/s"];
         if let Some(unit) = UNITS.iter().find(|unit| Self::of_unit(unit).powers == self.powers) {
-            return format!("a number in {unit}");
+            return a_number(unit);
         }
         let powers = ["m", "kg", "s"].iter().zip(self.powers).filter(|(_, power)| *power != 0.0);
         let powers = powers.map(|(unit, power)| format!("{unit}^{power}"));
-        format!("a number in {}", powers.collect::<Vec<_>>().join(" "))
+        a_number(&powers.collect::<Vec<_>>().join(" "))
     }
 }
 

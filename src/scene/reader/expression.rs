@@ -11,10 +11,8 @@ use super::units;
 /// Maximum length of an expression in bytes. It bounds the depth of the recursion.
 const LONGEST: usize = 1000;
 
-/// An expression.
 #[derive(Clone, Debug)]
 pub(in crate::scene) enum Expression {
-    /// A number.
     Number(f64),
     /// A name that `let` defines.
     Name(String),
@@ -24,7 +22,6 @@ pub(in crate::scene) enum Expression {
     Function(&'static Function, Box<Self>),
 }
 
-/// A function by name.
 #[derive(Debug)]
 pub(in crate::scene) struct Function {
     name: &'static str,
@@ -48,12 +45,10 @@ const FUNCTIONS: [Function; 11] = [
     Function { name: "ln", value: libm::log, power: None },
 ];
 
-/// Whether a word is the name of a function.
 pub(in crate::scene) fn is_function(word: &str) -> bool {
     FUNCTIONS.iter().any(|function| function.name == word)
 }
 
-/// Parses an expression.
 pub(in crate::scene) fn parse(text: &str) -> Result<Expression, String> {
     if text.len() > LONGEST {
         return Err(format!("give parts of it names in `let`: it has more than {LONGEST} bytes"));

@@ -7,7 +7,6 @@
 //! reads the literals: numbers and texts.
 
 mod access;
-pub(super) mod context;
 pub(super) mod dimension;
 pub(super) mod expression;
 pub(crate) mod read;
@@ -17,4 +16,3 @@ pub(crate) mod suggest;
 pub(super) mod tree;
 mod tree_reader;
 pub(super) mod units;
-pub(crate) mod verbatim;

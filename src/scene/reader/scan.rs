@@ -21,7 +21,6 @@ pub(in crate::scene) fn scan(text: &str) -> (Option<Node<'_>>, Vec<Placed>) {
     (root, faults)
 }
 
-/// Content of a string literal.
 pub(in crate::scene) fn unquote(literal: &str) -> Option<String> {
     ron::from_str(literal).ok()
 }

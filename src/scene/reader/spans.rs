@@ -9,8 +9,6 @@
 //! - An item of a list that has a `name` is also found by it: `stages.shear.increments`.
 //! - A name that is not a plain word is in quotes: `materials["fine sand"].density`.
 
-use std::fmt::Write;
-
 use super::scan::{scan, unquote};
 pub use super::tree::Span;
 use super::tree::{Entry, Key, Node, Shape};
@@ -53,6 +51,24 @@ pub enum Step {
     Name(String),
     /// An index of a list or a tuple.
     Index(usize),
+}
+
+impl Step {
+    /// Path of the part of the value at `path` to which the step leads.
+    pub(in crate::scene) fn after(&self, path: &str) -> String {
+        match self {
+            Self::Name(name) => join(path, name),
+            Self::Index(index) => format!("{path}[{index}]"),
+        }
+    }
+
+    /// The name; `None` for an index.
+    pub(in crate::scene) fn name(&self) -> Option<&str> {
+        match self {
+            Self::Name(name) => Some(name),
+            Self::Index(_) => None,
+        }
+    }
 }
 
 /// Parses a path; `None` if it is malformed. The empty path is the scene itself.
@@ -102,14 +118,7 @@ pub fn join(path: &str, name: &str) -> String {
 /// Writes a path; the inverse of [`parse_path`].
 #[must_use]
 pub fn write_path(steps: &[Step]) -> String {
-    steps.iter().fold(String::new(), |mut path, step| match step {
-        Step::Name(name) => join(&path, name),
-        Step::Index(index) => {
-            // Writing to a string cannot fail.
-            let _ = write!(path, "[{index}]");
-            path
-        }
-    })
+    steps.iter().fold(String::new(), |path, step| step.after(&path))
 }
 
 /// Result of following a path.

@@ -12,13 +12,10 @@ pub enum Shape {
     Nothing,
     /// An identifier: a variant without payload, `true`, `None`.
     Word,
-    /// A number.
     Number,
     /// Arithmetic in place of a number: `2 * step`, `-step`.
     Expression,
-    /// A string.
     Text,
-    /// A character.
     Char,
     /// `(name: value, ...)`.
     Struct,
@@ -43,7 +40,6 @@ pub struct Node<'t> {
     pub number: Option<Box<str>>,
     /// Name before the brackets: a struct or a variant with payload.
     pub name: Option<&'t str>,
-    /// Shape.
     pub shape: Shape,
     /// Entries inside the brackets.
     pub entries: Vec<Entry<'t>>,
@@ -83,14 +79,12 @@ impl<'t> Node<'t> {
 pub struct Entry<'t> {
     /// Key of the entry, in structs and maps.
     pub key: Option<Key>,
-    /// The value.
     pub value: Node<'t>,
 }
 
 /// A field name or a map key.
 #[derive(Clone, Debug)]
 pub struct Key {
-    /// Span of the key.
     pub span: Span,
     /// Text of the key without quotes.
     pub text: String,

@@ -1,15 +1,15 @@
 //! A serde deserializer over the tree of the [scanner](super::scan).
 //!
-//! A mistake is recorded in the [`Context`](super::context::Context) with its path and place, and
+//! A mistake is recorded in the [`Context`] with its path and place, and
 //! the reading continues with a made-up value: 1, an empty list, `None` or a first variant.
 
 use serde::de::value::StrDeserializer;
-use serde::de::{self, DeserializeOwned, IntoDeserializer as _, Visitor};
+use serde::de::{self, DeserializeOwned, Visitor};
 
-use super::access::{Items, Pairs, Variant};
-use super::context::{Context, Failure, found};
+use super::access::Variant;
+use super::read::{Context, Failure, NAME_OF_VERBATIM, found};
 use super::tree::{Entry, Node, Shape};
-use super::{suggest, units, verbatim};
+use super::{suggest, units};
 use crate::scene::values;
 
 /// See [`Shape::MadeUp`].
@@ -62,7 +62,7 @@ impl<'a> Reader<'a> {
         if !self.is_made_up() {
             let message = format!("expected {what}, found {}", found(self.node));
             self.cx.note(self.node.span.start, &self.path, message, help);
-            self.cx.made_up(self.path.clone());
+            self.cx.notes.borrow_mut().made_up.push(self.path.clone());
         }
         self.made_up()
     }
@@ -88,7 +88,7 @@ impl<'a> Reader<'a> {
             },
             Shape::Tuple if number => match self.node.entries.as_slice() {
                 [Entry { key: None, value }]
-                    if self.named() == Some("Some") && value.shape == Shape::Number =>
+                    if self.node.name == Some("Some") && value.shape == Shape::Number =>
                 {
                     format!("write `{}`, without `Some`", value.literal)
                 }
@@ -122,10 +122,6 @@ impl<'a> Reader<'a> {
         let fits = shapes.contains(&self.node.shape);
         fits.then(|| ron::from_str(self.node.value()).ok())?
     }
-
-    pub(super) fn named(&self) -> Option<&'a str> {
-        self.node.name
-    }
 }
 
 macro_rules! scalars {
@@ -157,7 +153,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
-        let inside = self.named() == Some("Some");
+        let inside = self.node.name == Some("Some");
         match self.node.entries.as_slice() {
             _ if self.is_made_up() || self.node.literal == "None" => visitor.visit_none(),
             [Entry { key: None, value }] if inside => {
@@ -172,9 +168,8 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         name: &'static str,
         visitor: V,
     ) -> Result<V::Value, Failure> {
-        if name == verbatim::NAME {
-            let text: StrDeserializer<'_, Failure> = self.node.literal.into_deserializer();
-            return visitor.visit_newtype_struct(text);
+        if name == NAME_OF_VERBATIM {
+            return visitor.visit_newtype_struct(StrDeserializer::new(self.node.literal));
         }
         visitor.visit_newtype_struct(self)
     }
@@ -183,8 +178,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         if !self.is_made_up() && self.node.shape != Shape::List {
             return self.expected("a list `[...]`").deserialize_seq(visitor);
         }
-        let length = self.node.entries.len();
-        visitor.visit_seq(Items { reader: &self, next: 0, length })
+        self.items(self.node.entries.len(), visitor)
     }
 
     fn deserialize_tuple<V: Visitor<'de>>(
@@ -202,16 +196,15 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
 
     fn deserialize_map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Failure> {
         const MAP: &str = "a map `{\"name\": ...}`";
-        let pairs = Pairs { reader: &self, next: 0, value: None };
         let keys = || self.node.entries.iter().filter_map(|entry| entry.key.as_ref());
         match self.node.shape {
-            Shape::Map | Shape::MadeUp => visitor.visit_map(pairs),
+            Shape::Map | Shape::MadeUp => self.pairs(visitor),
             // The struct was meant as a map if its names are those of a map.
             Shape::Struct if self.node.name.is_none() && keys().all(|key| key.quoted) => {
                 let message = format!("expected {MAP}, found {}", found(self.node));
                 let help = "write `{` and `}` for `(` and `)`";
                 self.cx.note(self.node.span.start, &self.path, message, help);
-                visitor.visit_map(pairs)
+                self.pairs(visitor)
             }
             _ => self.expected(MAP).deserialize_map(visitor),
         }
@@ -227,7 +220,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         let is_empty = self.node.entries.is_empty();
         let brackets =
             matches!(shape, Shape::Struct | Shape::MadeUp) || (shape == Shape::Tuple && is_empty);
-        let other_name = !self.inside && self.named().is_some_and(|found| found != name);
+        let other_name = !self.inside && self.node.name.is_some_and(|found| found != name);
         if other_name || !brackets {
             let what = format!("`({}: ...)`", fields.first().copied().unwrap_or_default());
             let help = match self.node.entries.as_slice() {
@@ -251,7 +244,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         let word = match self.node.shape {
             Shape::MadeUp => variants.first().copied(),
             Shape::Word => Some(self.node.literal),
-            _ => self.named().filter(|_| !self.inside),
+            _ => self.node.name.filter(|_| !self.inside),
         };
         let Some(word) = word else {
             let what = format!("one of {}", suggest::list(variants));
@@ -266,7 +259,7 @@ impl<'de> de::Deserializer<'de> for Reader<'de> {
         match suggest::nearest(word, variants.iter().copied()) {
             Some(name) => visitor.visit_enum(Variant { name, reader: self }),
             None => {
-                self.cx.made_up(self.path.clone());
+                self.cx.notes.borrow_mut().made_up.push(self.path.clone());
                 self.made_up().deserialize_enum(name, variants, visitor)
             }
         }

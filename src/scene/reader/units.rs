@@ -72,8 +72,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
     Some(match name {
         "position" | "size" | "tilt" | "radius" | "radii" | "limits" | "spacing" | "origin"
         | "start" | "moved" | "end" | "min" | "max" | "about" | "centre" | "length" | "step"
-        | "thickness" | "ball" | "Height" => "m",
-        "x" | "y" => "m",
+        | "thickness" | "ball" | "Height" | "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
         "Velocity" if around == Some("rad") => "rad/s",
@@ -118,35 +117,31 @@ pub(in crate::scene) fn is_unit(text: &str) -> bool {
 /// The remedy for a number with a unit, if `wanted` is the unit of the field.
 pub(in crate::scene) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
     let unit = unit.replace('²', "2").replace('³', "3").replace("**", "").replace('^', "");
-    let what = match wanted {
+    let Some(wanted) = wanted else {
         // To leave another unit out would change the value. What a per cent or a g is of depends on
         // the field.
-        None => {
-            return match parse(&unit) {
-                Some((value, powers)) if powers != [0; 4] && value != 1.0 && unit != "g" => {
-                    format!("numbers are in SI units: write {}", short_number(number * value))
-                }
-                _ if unit == "%" => {
-                    let part = short_number(number / 100.0);
-                    format!("leave the unit out; as a part of 1 it is {part}")
-                }
-                _ => "leave the unit out".to_owned(),
-            };
-        }
-        Some("") => "this is a plain number without a unit".to_owned(),
-        Some("Pa") => "stresses and strengths are plain numbers in Pa".to_owned(),
-        Some(si) => format!("this is a plain number in {si}"),
+        return match parse(&unit) {
+            Some((value, powers)) if powers != [0; 4] && value != 1.0 && unit != "g" => {
+                format!("numbers are in SI units: write {}", short_number(number * value))
+            }
+            _ if unit == "%" => {
+                let part = short_number(number / 100.0);
+                format!("leave the unit out; as a part of 1 it is {part}")
+            }
+            _ => "leave the unit out".to_owned(),
+        };
     };
-    let si = wanted.unwrap_or_default().replace('^', "");
-    let factor = match (parse(&unit), parse(&si)) {
-        _ if unit == "g" && wanted == Some("m/s^2") => Some(9.81),
-        (Some((value, written)), Some((_, meant))) if written == meant => Some(value),
-        _ => None,
+    let what = match wanted {
+        "" => "this is a plain number without a unit".to_owned(),
+        "Pa" => "stresses and strengths are plain numbers in Pa".to_owned(),
+        si => format!("this is a plain number in {si}"),
     };
-    match factor {
-        Some(factor) => format!("{what}: write {}", short_number(number * factor)),
-        None => what,
-    }
+    let factor = match (parse(&unit), parse(&wanted.replace('^', ""))) {
+        _ if unit == "g" && wanted == "m/s^2" => 9.81,
+        (Some((value, written)), Some((_, meant))) if written == meant => value,
+        _ => return what,
+    };
+    format!("{what}: write {}", short_number(number * factor))
 }
 
 /// A number with few digits, without those of round-off.

@@ -6,9 +6,8 @@ use crate::scene::format::Specimen;
 use crate::scene::spans::join;
 
 use super::findings::At;
-use super::references::index_exists;
+use super::parts::index_exists;
 
-/// Checks the bonds that the scene lists.
 pub(super) fn check(at: &mut At) {
     if !at.are_sure_of(&["specimen", "bonds"]) {
         return;

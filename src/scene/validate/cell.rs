@@ -23,13 +23,12 @@ pub(super) fn check(at: &mut At) {
         & at.positive("cell.size[1]", cell.size.1, "a height in m");
     at.finite("cell.tilt", cell.tilt, "a length in m");
     let needed = MIN_SIZE * 2.0 * max_radius(context).unwrap_or_default();
-    if fine && at.is_sure_of("specimen") && cell.size.0.min(cell.size.1) < needed {
-        let help = format!(
-            "at least {MIN_SIZE} times the maximum diameter, {needed:?} m, so that two particles \
-             touch once only"
-        );
-        at.add("cell.size", "too small a cell", help);
-    }
+    let is_small = fine && at.is_sure_of("specimen") && cell.size.0.min(cell.size.1) < needed;
+    let help = format!(
+        "at least {MIN_SIZE} times the maximum diameter, {needed:?} m, so that two particles \
+         touch once only"
+    );
+    at.refuse(is_small, "cell.size", "too small a cell", help);
     if fine {
         images(at, cell);
     }
@@ -50,23 +49,15 @@ pub(super) fn check(at: &mut At) {
     }
     let is_dynamic = |load: &Load| load.analysis.unwrap_or(scene.analysis) != Analysis::Static;
     let mut in_cell = scene.stages.iter().take_while(|stage| !opens(stage)).filter_map(Stage::load);
-    if scene.output.energy && in_cell.any(is_dynamic) {
-        let help = "leave it out, or make all loading stages static; the measures `KineticEnergy` and \
-                    `ElasticEnergy` are defined in both";
-        let what = "an energy ledger of a periodic cell with dynamic stages";
-        at.add("output.energy", what, help);
-    }
+    let help = "leave it out, or make all loading stages static; the measures `KineticEnergy` and \
+                `ElasticEnergy` are defined in both";
+    let what = "an energy ledger of a periodic cell with dynamic stages";
+    at.refuse(scene.output.energy && in_cell.any(is_dynamic), "output.energy", what, help);
     if let Some(state) = context.state().filter(|state| !state.gives_cell) {
-        let (what, help) = match state.cell {
-            Some(_) => {
-                ("the state has a periodic cell already", "leave it out: the run continues in it")
-            }
-            None => (
-                "a state without a periodic cell",
-                "start from the state of a run with a cell, or leave `cell` out",
-            ),
-        };
-        at.add("cell", what, help);
+        let help = "leave it out: the run continues in it";
+        at.refuse(state.cell.is_some(), "cell", "the state has a periodic cell already", help);
+        let help = "start from the state of a run with a cell, or leave `cell` out";
+        at.refuse(state.cell.is_none(), "cell", "a state without a periodic cell", help);
     }
     let mut is_open = false;
     for (i, stage) in scene.stages.iter().enumerate() {
@@ -91,7 +82,8 @@ fn images(at: &mut At, cell: &Cell) {
         return;
     }
     let seeds = context.at_start();
-    let (places, radii): (Vec<_>, Vec<_>) = seeds.iter().map(|s| (s.position, s.radius)).unzip();
+    let (places, radii): (Vec<_>, Vec<_>) =
+        seeds.iter().map(|s| (DVec2::from(s.position), s.radius)).unzip();
     let periodic = at_start(cell);
     let overlap = |(a, b): (u32, u32)| {
         let (i, j) = (a as usize, b as usize);
@@ -154,10 +146,9 @@ fn outside(at: &mut At, stage: &Stage, help: &str) {
         Stage::Remove(stage) if stage.open_cell => at.add("open_cell", "no periodic cell", help),
         Stage::Compact(stage) => {
             for (field, wall) in [("wall", &stage.wall), ("base", &stage.base)] {
-                if wall.is_empty() && at.is_sure(field) {
-                    let help = format!("add `{field}: ...`");
-                    at.add(field, format!("missing field `{field}`"), help);
-                }
+                let help = format!("add `{field}: ...`");
+                let message = format!("missing field `{field}`");
+                at.refuse(wall.is_empty() && at.is_sure(field), field, message, help);
             }
         }
         _ => {}
@@ -166,54 +157,41 @@ fn outside(at: &mut At, stage: &Stage, help: &str) {
 
 fn compact(at: &mut At, stage: &Compact) {
     for (field, wall) in [("wall", &stage.wall), ("base", &stage.base)] {
-        if !wall.is_empty() {
-            let help = "leave it out: a periodic cell is compacted from all sides";
-            at.add(field, "a wall in a periodic cell", help);
-        }
+        let help = "leave it out: a periodic cell is compacted from all sides";
+        at.refuse(!wall.is_empty(), field, "a wall in a periodic cell", help);
     }
-    if matches!(stage.target, CompactTarget::Height(_)) {
-        let help = "write `target: Porosity(...)` or `target: Jammed`";
-        at.add("target", "a height in a periodic cell", help);
-    }
-    if stage.rest == CompactRest::Still {
-        let help = "leave it out: particles move with the cell";
-        at.add("rest", "`Still` in a periodic cell", help);
-    }
+    let help = "write `target: Porosity(...)` or `target: Jammed`";
+    let what = "a height in a periodic cell";
+    at.refuse(matches!(stage.target, CompactTarget::Height(_)), "target", what, help);
+    let help = "leave it out: particles move with the cell";
+    at.refuse(stage.rest == CompactRest::Still, "rest", "`Still` in a periodic cell", help);
 }
 
 /// Checks the gravity of the scene or of a stage.
 fn weight(at: &mut At, gravity: Option<(f64, f64)>) {
-    if gravity.is_some_and(|gravity| gravity != (0.0, 0.0)) {
-        let help = "leave it out: a periodic cell has no bottom that would carry a weight";
-        at.add("gravity", "gravity in a periodic cell", help);
-    }
+    let help = "leave it out: a periodic cell has no bottom that would carry a weight";
+    let what = "gravity in a periodic cell";
+    at.refuse(gravity.is_some_and(|gravity| gravity != (0.0, 0.0)), "gravity", what, help);
 }
 
 fn load(at: &mut At, stage: &Load) {
     weight(at, stage.gravity);
-    if !stage.add_walls.is_empty() {
-        let help = "add it once a `Remove` stage has ended the cell (`open_cell: true`)";
-        at.add("add_walls[0]", "a wall in a periodic cell", help);
-    }
-    if !stage.particles.is_empty() {
-        let help = "leave them out: nothing would carry their reactions";
-        at.add("particles", "controls in a periodic cell", help);
-    }
+    let help = "add it once a `Remove` stage has ended the cell (`open_cell: true`)";
+    at.refuse(!stage.add_walls.is_empty(), "add_walls[0]", "a wall in a periodic cell", help);
+    let help = "leave them out: nothing would carry their reactions";
+    at.refuse(!stage.particles.is_empty(), "particles", "controls in a periodic cell", help);
     if !stage.rigid.is_empty() {
         at.add("rigid", "rigid groups in a periodic cell", "leave them out");
     }
-    if !stage.membranes.is_empty() {
-        let help = "leave them out: a periodic cell has no outermost grains; write \
-                    `cell: (xx: Stress(...))`";
-        at.add("membranes", "membranes in a periodic cell", help);
-    }
+    let help = "leave them out: a periodic cell has no outermost grains; write \
+                `cell: (xx: Stress(...))`";
+    at.refuse(!stage.membranes.is_empty(), "membranes", "membranes in a periodic cell", help);
     let Some(control) = &stage.cell else { return };
     let at = &mut at.field("cell");
     for (field, target) in [("xx", control.xx), ("yy", control.yy)] {
-        if control.is_by_mean() && target.is_some() {
-            let help = "give `xx` and `yy`, or `mean` and `difference`";
-            at.add(field, format!("{field} beside the mean of xx and yy"), help);
-        }
+        let help = "give `xx` and `yy`, or `mean` and `difference`";
+        let message = format!("{field} beside the mean of xx and yy");
+        at.refuse(control.is_by_mean() && target.is_some(), field, message, help);
     }
     for (field, target) in control.targets() {
         let number = format_args!("{field}[0]");

@@ -3,11 +3,11 @@
 use crate::scene::format::{Scene, Select, Sizes, Specimen};
 use crate::scene::limits::MAX_PARTICLES;
 use crate::scene::memory;
-use crate::scene::stored::StoredSpecimen;
+use crate::scene::stored_state::StoredSpecimen;
 use crate::scene::suggest;
 
 use super::findings::At;
-use super::places::is_behind;
+use super::places::walls_before;
 use super::{Context, select};
 
 /// Whether `minerals` or `keep` change the specimen, and it can be made to see how.
@@ -56,24 +56,20 @@ pub(super) fn check(at: &mut At) {
     if !at.are_sound(&["specimen", "materials", "minerals", "keep"]) {
         return;
     }
-    if seeds.is_empty() && memory::particles(&scene.specimen, context.specimen) > 0 {
-        let help = "keep a part of the specimen that has particles";
-        at.add("keep", "no particle is left", help);
-    }
+    let is_lost = seeds.is_empty() && memory::particles(&scene.specimen, context.specimen) > 0;
+    let help = "keep a part of the specimen that has particles";
+    at.refuse(is_lost, "keep", "no particle is left", help);
     let several = context.materials.len() > 1;
     if let Some(bare) = seeds.iter().find(|seed| several && seed.material.is_none()) {
-        let place: (f64, f64) = bare.position.into();
-        let message = format!("the particle at {place:?} gets no material");
+        let message = format!("the particle at {:?} gets no material", bare.position);
         let names = suggest::list(&context.materials);
         let help = format!("give the specimen a `material`, one of {names}, or select it here");
         at.add("minerals", message, help);
     }
-    if scene.keep.is_some() && at.is_sound("walls") {
-        let present = || scene.walls.iter().filter(|wall| wall.present);
+    if scene.keep.is_some() && at.are_sound(&["walls"]) {
         let hidden = seeds.iter().find_map(|seed| {
-            let place = seed.position.into();
-            let wall = present().find(|wall| is_behind(wall, place, seed.radius))?;
-            Some((place, &wall.name))
+            let place = seed.position;
+            Some((place, &walls_before(scene, place, seed.radius).next()?.name))
         });
         if let Some((place, wall)) = hidden {
             let message = format!("a particle that is left is behind wall `{wall}` {place:?}");
@@ -92,10 +88,8 @@ fn of_specimen(at: &mut At, of: &Select) {
         at.add("", message, help);
         return;
     }
-    if of.needs_forces(&context.scene.groups) {
-        let help = "select by place, or take loose particles away in a `Remove` stage";
-        at.add("", "no contact carries force yet", help);
-    }
+    let help = "select by place, or take loose particles away in a `Remove` stage";
+    at.refuse(of.needs_forces(&context.scene.groups), "", "no contact carries force yet", help);
     at.with(&Context::uncut(context.scene, context.specimen), |at| select::select(at, of));
 }
 

@@ -69,14 +69,10 @@ impl<'a> Findings<'a> {
         parts.iter().all(|part| self.is_sure_of(part))
     }
 
-    /// Whether a part of the scene contains no made-up value and has no mistake so far.
-    pub(super) fn is_sound(&self, path: &str) -> bool {
-        self.is_sure_of(path) && !self.list.iter().any(|finding| within(&finding.path, path))
-    }
-
     /// Whether some parts of the scene contain no made-up value and have no mistake so far.
     pub(super) fn are_sound(&self, parts: &[&str]) -> bool {
-        parts.iter().all(|part| self.is_sound(part))
+        let has_none = |part: &&str| !self.list.iter().any(|wrong| within(&wrong.path, part));
+        self.are_sure_of(parts) && parts.iter().all(has_none)
     }
 
     /// Adds a finding. Several stages may have the same mistake in one field, which is reported once.
@@ -114,7 +110,6 @@ impl<'a> DerefMut for At<'_, 'a> {
 }
 
 impl<'a> At<'_, 'a> {
-    /// Path of a field.
     pub fn path(&self, field: impl Display) -> String {
         let field = field.to_string();
         let is_joined = self.path.is_empty() || field.is_empty() || field.starts_with('[');
@@ -160,10 +155,23 @@ impl<'a> At<'_, 'a> {
         self.push(Finding::new(path, message, help));
     }
 
+    /// Adds a finding where something `is_wrong`.
+    pub fn refuse(
+        &mut self,
+        is_wrong: bool,
+        field: impl Display,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) {
+        if is_wrong {
+            self.add(field, message, help);
+        }
+    }
+
     /// A finding at the key of the place.
     pub fn add_at_key(&mut self, message: impl Into<String>, help: impl Into<String>) {
         let finding = Finding::new(self.path.as_str(), message, help);
-        self.push(Finding { at_key: true, ..finding });
+        self.push(finding.at_key());
     }
 
     /// Checks a number; `what` completes "give ...". If zero is not allowed, numbers below
@@ -235,10 +243,8 @@ impl<'a> At<'_, 'a> {
     pub fn range(&mut self, field: &str, (min, max): (f64, f64), what: &str) -> bool {
         let fine = self.positive(format_args!("{field}[0]"), min, what)
             & self.positive(format_args!("{field}[1]"), max, what);
-        if fine && min > max {
-            let message = format!("minimum above maximum ({min:?} > {max:?})");
-            self.add(field, message, "give (minimum, maximum)");
-        }
+        let message = format!("minimum above maximum ({min:?} > {max:?})");
+        self.refuse(fine && min > max, field, message, "give (minimum, maximum)");
         fine && min <= max
     }
 
@@ -246,18 +252,15 @@ impl<'a> At<'_, 'a> {
     pub fn rectangle(&mut self, min: (f64, f64), max: (f64, f64)) -> bool {
         let fine = self.place("min", min) & self.place("max", max);
         let has_area = min.0 < max.0 && min.1 < max.1;
-        if fine && !has_area && self.is_sure("min") && self.is_sure("max") {
-            let message = format!("not above and to the right of min ({max:?})");
-            self.add("max", message, "give a rectangle with an area");
-        }
+        let is_wrong = fine && !has_area && self.is_sure("min") && self.is_sure("max");
+        let message = format!("not above and to the right of min ({max:?})");
+        self.refuse(is_wrong, "max", message, "give a rectangle with an area");
         fine && has_area
     }
 
     /// Checks an integer of at least 1.
     pub fn at_least_one(&mut self, field: impl Display, value: u32, what: &str) -> bool {
-        if value == 0 {
-            self.add(field, "zero (0)", format!("give {what} of 1 or more"));
-        }
+        self.refuse(value == 0, field, "zero (0)", format!("give {what} of 1 or more"));
         value > 0
     }
 }

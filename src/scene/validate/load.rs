@@ -7,7 +7,7 @@ use crate::scene::format::{Analysis, Load, Motion, ParticleControl, Scale, Stage
 use super::findings::At;
 use super::select::select;
 use super::stages::record;
-use super::wall_controls::{control_of_wall, points_of};
+use super::wall_controls::{control_of_wall, graph};
 use super::{parts, settings, stops};
 
 pub(super) fn load(at: &mut At, stage: &Load) {
@@ -25,11 +25,9 @@ pub(super) fn load(at: &mut At, stage: &Load) {
     }
     record(at, &stage.record);
     for (i, n) in stage.record.frames.iter().enumerate() {
-        if *n > stage.increments {
-            let message = format!("no such increment ({n})");
-            let help = format!("the stage has {} of them", stage.increments);
-            at.add(format_args!("record.frames[{i}]"), message, help);
-        }
+        let message = format!("no such increment ({n})");
+        let help = format!("the stage has {} of them", stage.increments);
+        at.refuse(*n > stage.increments, format_args!("record.frames[{i}]"), message, help);
     }
     let untils = stage.stop.iter().enumerate().filter(|(_, stop)| matches!(stop, Stop::Until(..)));
     for (i, _) in untils.skip(1) {
@@ -63,22 +61,18 @@ fn scale(at: &mut At, stage: &Load) {
     let at = &mut at.field("scale");
     for (field, points) in [("gravity", gravity), ("strength", strength), ("loads", loads)] {
         if let Some(points) = points {
-            let points = points.iter().map(|(s, factor)| (*s, [*factor]));
-            points_of(&mut at.field(field), points, "a factor");
+            graph(&mut at.field(field), points, "a factor");
         }
     }
     for (k, (_, factor)) in strength.iter().flatten().enumerate() {
         at.positive(format_args!("strength[{k}][1]"), *factor, "a factor");
     }
-    if gravity.is_some() && no_gravity {
-        at.add("gravity", "a factor on no gravity", "give the stage or the scene a `gravity`");
-    }
+    let help = "give the stage or the scene a `gravity`";
+    at.refuse(gravity.is_some() && no_gravity, "gravity", "a factor on no gravity", help);
     let Some(loads) = loads else { return };
-    if !stage.has_target() && at.is_sure_of("stages") {
-        let help =
-            "give a wall, a particle, a rigid group, a membrane or the cell a load in this stage";
-        at.add("loads", "a factor on no load", help);
-    }
+    let help =
+        "give a wall, a particle, a rigid group, a membrane or the cell a load in this stage";
+    at.refuse(!stage.has_target() && at.is_sure_of("stages"), "loads", "a factor on no load", help);
     if let Some((_, first)) = loads.first() {
         let what = "0, at which loads are those that the stage begins with";
         at.number("loads[0][1]", *first, |first| first == 0.0, what);
@@ -94,20 +88,18 @@ fn control_of_particles(at: &mut At, control: &ParticleControl) {
     select(&mut at.field("select"), &control.select);
     for (field, wanted, unit) in control.motions() {
         parts::motion(at, field, wanted, unit);
-        if control.affine.is_some() && field != "rotation" && wanted != Motion::Free {
-            let message = format!("{field} is imposed twice");
-            at.add(field, message, "`affine` imposes x and y: leave it out here");
-        }
+        let is_twice = control.affine.is_some() && field != "rotation" && wanted != Motion::Free;
+        let message = format!("{field} is imposed twice");
+        at.refuse(is_twice, field, message, "`affine` imposes x and y: leave it out here");
     }
     at.vector("affine[0]", control.affine.map(|rows| rows.0), "a displacement gradient");
     at.vector("affine[1]", control.affine.map(|rows| rows.1), "a displacement gradient");
     parts::load(at, control.force, control.moment);
     let share = |share| (0.0..=1.0).contains(&share);
     at.number("remains", control.remains, share, "a share from 0 to 1");
-    if control.remains.is_some() && (control.force.is_some() || control.moment.is_some()) {
-        let help = "give the share that remains, or `force` and `moment`";
-        at.add("remains", "the load is set twice", help);
-    }
+    let is_given = control.force.is_some() || control.moment.is_some();
+    let help = "give the share that remains, or `force` and `moment`";
+    at.refuse(control.remains.is_some() && is_given, "remains", "the load is set twice", help);
 }
 
 /// Checks a stage that chooses its increments by an accuracy. Bonds of a saved state are only known
@@ -117,10 +109,9 @@ fn accuracy(at: &mut At, stage: &Load) {
     let scene = at.context.scene;
     let what = "an error of the stress over the stress, between 0 and 1";
     at.number("accuracy", accuracy, |value| value > 0.0 && value < 1.0, what);
-    if at.analysis != Analysis::Static && at.is_sure_of("analysis") {
-        let help = "choose `dt` of a dynamic stage instead";
-        at.add("accuracy", "an accuracy in a dynamic stage", help);
-    }
+    let help = "choose `dt` of a dynamic stage instead";
+    let what = "an accuracy in a dynamic stage";
+    at.refuse(at.analysis != Analysis::Static && at.is_sure_of("analysis"), "accuracy", what, help);
     let mut earlier = scene.stages.iter().take(at.stage);
     let is_cemented = earlier.any(|stage| matches!(stage, Stage::Cement(_)));
     if (is_cemented || !scene.bonds.is_empty()) && at.is_sure_of("stages") {

@@ -18,17 +18,14 @@ pub(super) fn check(at: &mut At) {
     }
 }
 
-/// Checks the contact law of a material or a wall.
 pub(super) fn contact(at: &mut At, contact: Contact) {
     law(at, contact.stiffnesses(), [contact.friction, contact.rolling_friction]);
     let of = contact.restitution;
     let fine = at.within("restitution", of, domain::RESTITUTION);
-    if fine && of > 0.0 && contact.stiffnesses() != [None; 3] {
-        let message = format!("restitution of an elastic contact ({of:?})");
-        let help = "leave out the stiffnesses, for a rigid contact, or the restitution: the springs of a \
-                    contact determine how it rebounds";
-        at.add("restitution", message, help);
-    }
+    let message = format!("restitution of an elastic contact ({of:?})");
+    let help = "leave out the stiffnesses, for a rigid contact, or the restitution: the springs of a \
+                contact determine how it rebounds";
+    at.refuse(fine && of > 0.0 && contact.stiffnesses() != [None; 3], "restitution", message, help);
 }
 
 /// Checks the optional bond law of a material or of cement.
@@ -45,10 +42,9 @@ pub(super) fn bond(at: &mut At, bond: Option<Bond>) {
 /// Checks the bond law of a wall, which does not scatter.
 pub(super) fn bond_of_wall(at: &mut At, of: Option<Bond>) {
     bond(at, of);
-    if of.is_some_and(|bond| bond.scatter.is_some()) {
-        let help = "give it to the material, or to the `bond` of a stage `Cement`";
-        at.add("scatter", "bonds of a wall do not scatter", help);
-    }
+    let help = "give it to the material, or to the `bond` of a stage `Cement`";
+    let what = "bonds of a wall do not scatter";
+    at.refuse(of.is_some_and(|bond| bond.scatter.is_some()), "scatter", what, help);
 }
 
 /// Checks what contacts and bonds have in common.
@@ -63,15 +59,13 @@ fn law(at: &mut At, [normal, tangential, rolling]: [Option<f64>; 3], frictions: 
     let [friction, rolling_friction] = frictions;
     at.within("friction", friction, domain::COEFFICIENT);
     at.within("rolling_friction", rolling_friction, domain::COEFFICIENT);
-    if is_fine && rolling.is_some() && rolling_friction == 0.0 {
-        let message = "a rolling stiffness without a rolling moment";
-        let help =
-            "give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out";
-        at.add("rolling_stiffness", message, help);
-    }
+    let has_no_moment = is_fine && rolling.is_some() && rolling_friction == 0.0;
+    let message = "a rolling stiffness without a rolling moment";
+    let help =
+        "give `rolling_friction` too, the coefficient of its limit mu_r r p, or leave it out";
+    at.refuse(has_no_moment, "rolling_stiffness", message, help);
 }
 
-/// Checks the scatter of a bond law.
 fn scatter(at: &mut At, bond: &Bond, scatter: &Scatter) {
     let Scatter { strength, stiffness, cohesion, tensile_strength, .. } = scatter;
     let Scatter { normal_stiffness, tangential_stiffness, .. } = scatter;
@@ -84,10 +78,8 @@ fn scatter(at: &mut At, bond: &Bond, scatter: &Scatter) {
         ("normal_stiffness", normal_stiffness, normal.is_some()),
         ("tangential_stiffness", tangential_stiffness, tangential.is_some()),
     ];
-    if spreads.iter().all(|(_, spread, _)| spread.is_none()) {
-        let help = "name what scatters, as in `strength: Weibull(modulus: 4.0)`";
-        at.add("", "nothing scatters", help);
-    }
+    let help = "name what scatters, as in `strength: Weibull(modulus: 4.0)`";
+    at.refuse(spreads.iter().all(|(_, spread, _)| spread.is_none()), "", "nothing scatters", help);
     for (name, spread, is_elastic) in spreads {
         let at = &mut at.field(name);
         match *spread {
@@ -102,19 +94,15 @@ fn scatter(at: &mut At, bond: &Bond, scatter: &Scatter) {
                 at.number("deviation", deviation, allowed, what);
             }
         }
-        if !is_elastic {
-            let help = "give the law this stiffness, or leave the scatter out";
-            at.add("", "the law is rigid, and has no stiffness to scatter", help);
-        }
+        let help = "give the law this stiffness, or leave the scatter out";
+        at.refuse(!is_elastic, "", "the law is rigid, and has no stiffness to scatter", help);
         let (name, both) = match name {
             "cohesion" | "tensile_strength" => ("strength", strength),
             "normal_stiffness" | "tangential_stiffness" => ("stiffness", stiffness),
             _ => continue,
         };
-        if both.is_some() {
-            let message = format!("it scatters with `{name}` already");
-            at.add("", message, "leave one of the two out");
-        }
+        let message = format!("it scatters with `{name}` already");
+        at.refuse(both.is_some(), "", message, "leave one of the two out");
     }
 }
 

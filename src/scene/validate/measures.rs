@@ -5,11 +5,10 @@ use crate::scene::format::{
 };
 
 use super::findings::At;
-use super::parts::{are_apart, both_straight, one_piece};
+use super::parts::{are_apart, both_straight, index_exists, one_piece};
 use super::places::{are_alike, are_opposite, distance};
-use super::references::index_exists;
 use super::select::select;
-use crate::history_columns;
+use crate::output::history::has_column;
 
 pub(super) fn check(at: &mut At) {
     let context = at.context;
@@ -17,21 +16,16 @@ pub(super) fn check(at: &mut At) {
         at.reference("reference_stage", stage, ("stage", "stages"), &context.stages);
     }
     let list = &context.scene.measures;
-    if at.is_sure_of("measures") {
-        let names = list.iter().enumerate();
-        let names = names.map(|(i, measure)| (format!("measures[{i}].name"), &*measure.name));
-        at.unique("name of a measure", names);
-    }
+    at.names("measures", "name of a measure", &context.measures);
     for (i, Measure { name, of }) in list.iter().enumerate() {
         let at = &mut at.item("measures", i);
         let role = ROLES.iter().position(|role| role == name);
         if role.is_some() && at.is_sure("of") {
             names_a_role(at, name, of);
         }
-        if role.is_none() && history_columns::has(name) {
-            let message = format!("the history has a column of this name (`{name}`)");
-            at.add("name", message, "give another name");
-        }
+        let message = format!("the history has a column of this name (`{name}`)");
+        let help = "give another name";
+        at.refuse(role.is_none() && has_column(name), "name", message, help);
         quantity(&mut at.field("of"), of);
     }
 }
@@ -47,26 +41,22 @@ fn names_a_role(at: &mut At, name: &str, of: &Quantity) {
     } else {
         ("Stress", matches!(of, Quantity::Stress(_)))
     };
-    if !fits {
-        let message = format!("`{name}` is the name of a {}", kind.to_lowercase());
-        let help = format!("write `of: {kind}(...)`, or give another name");
-        at.add("of", message, help);
-    }
+    let message = format!("`{name}` is the name of a {}", kind.to_lowercase());
+    let help = format!("write `of: {kind}(...)`, or give another name");
+    at.refuse(!fits, "of", message, help);
 }
 
 /// What a measure is that is a strain, but no normal strain, and a name for it.
 fn no_normal_strain(of: &Quantity) -> Option<(&'static str, &'static str)> {
-    match of {
-        Quantity::Strain(Strain::Cell(CellStrain::Shear))
-        | Quantity::Strain(Strain::Region { component: StrainComponent::Xy, .. }) => {
+    use StrainComponent::{Rotation, Volumetric, Xy};
+
+    let Quantity::Strain(strain) = of else { return None };
+    match strain {
+        Strain::Cell(CellStrain::Shear) | Strain::Region { component: Xy, .. } => {
             Some(("shear strain", "shear_strain"))
         }
-        Quantity::Strain(Strain::Region { component: StrainComponent::Rotation, .. }) => {
-            Some(("rotation", "rotation_rad"))
-        }
-        Quantity::Strain(Strain::Region { component: StrainComponent::Volumetric, .. }) => {
-            Some(("volumetric strain", "volume"))
-        }
+        Strain::Region { component: Rotation, .. } => Some(("rotation", "rotation_rad")),
+        Strain::Region { component: Volumetric, .. } => Some(("volumetric strain", "volume")),
         _ => None,
     }
 }
@@ -93,10 +83,9 @@ fn quantity(at: &mut At, of: &Quantity) {
             at.place("max", *max);
             let (low, high) =
                 (min.unwrap_or((f64::MIN, f64::MIN)), max.unwrap_or((f64::MAX, f64::MAX)));
-            if low.0 >= high.0 || low.1 >= high.1 {
-                let message = "not above and to the right of min";
-                at.add("max", message, "give a rectangle with an area");
-            }
+            let message = "not above and to the right of min";
+            let help = "give a rectangle with an area";
+            at.refuse(low.0 >= high.0 || low.1 >= high.1, "max", message, help);
             at.not_negative("moved", *moved, "a displacement in m");
         }
         Quantity::Ring { centre, radii, .. } => {
@@ -162,19 +151,16 @@ fn towards_each_other(at: &mut At, (a, b): (&str, &str)) {
 /// For measures that follow from axial and lateral strain.
 fn needs_strains(at: &mut At) {
     for name in &ROLES[..2] {
-        if at.context.scene.measure(name).is_none() && at.is_sure_of("measures") {
-            let message = format!("it follows from `{name}`, which is not measured");
-            at.add("", message, format!("add a measure `{name}`"));
-        }
+        let is_absent = at.context.scene.measure(name).is_none() && at.is_sure_of("measures");
+        let message = format!("it follows from `{name}`, which is not measured");
+        at.refuse(is_absent, "", message, format!("add a measure `{name}`"));
     }
 }
 
 fn stress(at: &mut At, stress: &Stress) {
     match stress {
         Stress::Walls { walls, length } => {
-            if walls.is_empty() {
-                at.add("walls", "no walls", "name one or more");
-            }
+            at.refuse(walls.is_empty(), "walls", "no walls", "name one or more");
             for (i, name) in walls.iter().enumerate() {
                 wall(&mut at.item("walls", i), "", name);
             }

@@ -3,7 +3,7 @@
 use clastic_components::domain;
 
 use crate::scene::format::{Load, MembraneControl, Scene, Stage};
-use crate::scene::stored::{StoredMembrane, StoredSpecimen};
+use crate::scene::stored_state::{StoredMembrane, StoredSpecimen};
 
 use super::findings::At;
 use super::parts::{face, is_known, straight, wall_there};
@@ -26,8 +26,8 @@ pub(super) fn names<'a>(scene: &'a Scene, specimen: Option<&'a StoredSpecimen>) 
     names
 }
 
-/// Finds membranes where there can be none.
-pub(super) fn none(at: &mut At, what: &str, there: &[StoredMembrane]) {
+/// Finds membranes in a compaction.
+pub(super) fn none(at: &mut At, there: &[StoredMembrane]) {
     if let [StoredMembrane { name, .. }, ..] = there
         && at.is_sure_of("stages")
     {
@@ -35,7 +35,7 @@ pub(super) fn none(at: &mut At, what: &str, there: &[StoredMembrane]) {
             "remove it in a loading stage before: `remove_membranes: [\"{name}\"]`, with walls \
              in its place"
         );
-        at.add("", format!("{what} with a membrane (`{name}`)"), help);
+        at.add("", format!("a compaction with a membrane (`{name}`)"), help);
     }
 }
 
@@ -77,21 +77,17 @@ fn is_there_already(at: &mut At, name: &str, control: &MembraneControl) {
         ("ball", control.ball.is_some()),
     ];
     for (field, is_given) in given {
-        if is_given && at.is_sure_of("stages") {
-            let message = format!("membrane `{name}` is there already");
-            let help = format!("leave `{field}` out, or remove the membrane first");
-            at.add(field, message, help);
-        }
+        let message = format!("membrane `{name}` is there already");
+        let help = format!("leave `{field}` out, or remove the membrane first");
+        at.refuse(is_given && at.is_sure_of("stages"), field, message, help);
     }
 }
 
 fn made(at: &mut At, control: &MembraneControl) {
     at.within("ball", control.ball, domain::RADIUS);
     let Some((a, b)) = &control.between else {
-        if control.sides.is_some() {
-            let help = "name the two walls between which it lies, `between: (\"bottom\", \"top\")`";
-            at.add("sides", "sides of a closed membrane", help);
-        }
+        let help = "name the two walls between which it lies, `between: (\"bottom\", \"top\")`";
+        at.refuse(control.sides.is_some(), "sides", "sides of a closed membrane", help);
         return;
     };
     let walls = [("between[0]", a), ("between[1]", b)].map(|(field, name)| {

@@ -5,7 +5,6 @@
 mod bonds;
 mod carried;
 mod cell;
-mod crossing;
 mod cuts;
 mod findings;
 mod load;
@@ -15,17 +14,13 @@ mod membranes;
 mod parts;
 mod places;
 mod pour;
-mod references;
 mod rigid;
 mod select;
-mod selections;
 mod settings;
 mod sizes;
 mod specimen;
 mod stages;
-mod state;
 mod stops;
-mod thin_walls;
 mod wall_controls;
 mod walls;
 
@@ -34,9 +29,9 @@ use std::collections::BTreeSet;
 use super::diagnostic::Finding;
 use super::format::{Particle, Scene, Specimen, Stage, Wall};
 use super::memory;
-use super::stored::{StoredSpecimen, StoredState};
+use super::stored_state::{StoredSpecimen, StoredState};
 use crate::run::minerals::specimen as cut_specimen;
-use crate::run::particles::{BOUNDARY, ParticleSeed};
+use crate::run::particles::BOUNDARY;
 use findings::Findings;
 pub(crate) use places::is_behind;
 
@@ -61,13 +56,13 @@ pub(super) fn findings(
     cell::check(at);
     specimen::check(at);
     cuts::check(at);
-    thin_walls::check(at);
+    walls::beside_thin(at);
     select::groups(at);
     stages::check(at);
     materials::restitution(at);
-    crossing::check(at);
+    places::crossing(at);
     walls::added(at);
-    selections::check(at);
+    select::regions(at);
     measures::check(at);
     findings.list
 }
@@ -79,12 +74,13 @@ struct Context<'a> {
     materials: Vec<&'a str>,
     walls: Vec<&'a str>,
     stages: Vec<&'a str>,
+    measures: Vec<&'a str>,
     /// Names of the membranes that stages make, and of those of a saved state.
     membranes: Vec<&'a str>,
     /// Number of particles, if known.
     particles: Option<u64>,
     /// The specimen after `minerals` and `keep`, if it has any and its particles are known.
-    seeds: Option<Vec<ParticleSeed>>,
+    seeds: Option<Vec<Particle>>,
 }
 
 impl<'a> Context<'a> {
@@ -110,6 +106,7 @@ impl<'a> Context<'a> {
             materials: scene.materials.keys().map(String::as_str).collect(),
             walls: scene.walls.iter().map(|wall| wall.name.as_str()).collect(),
             stages: scene.stages.iter().map(Stage::name).collect(),
+            measures: scene.measures.iter().map(|measure| measure.name.as_str()).collect(),
             membranes: membranes::names(scene, specimen),
             particles: match &scene.specimen {
                 Specimen::File { .. } | Specimen::State { .. } if specimen.is_none() => None,
@@ -143,12 +140,8 @@ impl<'a> Context<'a> {
         self.specimen.is_some() || !matches!(self.scene.specimen, Specimen::File { .. })
     }
 
-    /// The particles of a specimen that lists them.
     fn listed(&self) -> &'a [Particle] {
-        match &self.scene.specimen {
-            Specimen::Particles(list) => list,
-            _ => &[],
-        }
+        if let Specimen::Particles(list) = &self.scene.specimen { list } else { &[] }
     }
 
     /// Names of the groups to which particles of the specimen belong, but for those of a state.
@@ -159,8 +152,7 @@ impl<'a> Context<'a> {
         listed.chain(stored.map(String::as_str)).chain(is_lattice.then_some(BOUNDARY)).collect()
     }
 
-    /// The particles at the start.
-    fn at_start(&self) -> Vec<ParticleSeed> {
+    fn at_start(&self) -> Vec<Particle> {
         cut_specimen(self.scene, self.specimen)
     }
 }

@@ -1,5 +1,6 @@
-//! Checks that stages and controls share.
+//! References to named parts of the scene, and checks that stages and controls share.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use crate::scene::format::{Motion, Wall, WallShape};
@@ -7,6 +8,96 @@ use crate::scene::suggest;
 
 use super::findings::At;
 use super::places::{are_askew, are_opposite, length};
+
+impl At<'_, '_> {
+    /// Checks a reference to a named part of the scene. `topic` is the field that defines such
+    /// parts.
+    pub fn reference(
+        &mut self,
+        field: impl Display,
+        name: &str,
+        (kind, topic): (&str, &str),
+        names: &[&str],
+    ) -> bool {
+        let known = names.contains(&name);
+        if !known && self.is_sure_of(topic) {
+            let help = suggest::help(name, names, &format!("{kind}s"));
+            self.add(field, format!("unknown {kind} (`{name}`)"), help);
+        }
+        known
+    }
+
+    pub fn material(&mut self, field: impl Display, name: &str) -> bool {
+        let names = &self.context.materials;
+        self.reference(field, name, ("material", "materials"), names)
+    }
+
+    pub fn wall(&mut self, field: impl Display, name: &str) -> bool {
+        let names = &self.context.walls;
+        self.reference(field, name, ("wall", "walls"), names)
+    }
+
+    /// Checks two references to different parts.
+    pub fn pair<T: PartialEq>(&mut self, field: impl Display, (a, b): (T, T), kind: &str) {
+        self.refuse(a == b, field, format!("a {kind} given twice"), format!("name two {kind}s"));
+    }
+
+    /// Checks the names of the items of a list, if all are known.
+    pub fn names(&mut self, list: &str, kind: &str, names: &[&str]) {
+        if self.is_sure_of(list) {
+            let paths = (0..names.len()).map(|i| format!("{list}[{i}].name"));
+            self.unique(kind, paths.zip(names.iter().copied()));
+        }
+    }
+
+    /// Checks that names are not empty and are unique.
+    pub fn unique<'n>(&mut self, kind: &str, names: impl IntoIterator<Item = (String, &'n str)>) {
+        let mut seen: BTreeMap<&str, String> = BTreeMap::new();
+        for (path, name) in names {
+            if name.trim().is_empty() {
+                self.add(path, format!("empty {kind}"), "give a name");
+            } else if let Some(first) = seen.get(name) {
+                let message = format!("{kind} given twice (`{name}`)");
+                self.add(path, message, format!("it is also that of {first}"));
+            } else {
+                seen.insert(name, path);
+            }
+        }
+    }
+}
+
+/// Checks the material of a particle or of a recipe.
+pub(super) fn material_of(at: &mut At, material: Option<&str>) {
+    let names = &at.context.materials;
+    if let Some(name) = material {
+        at.material("material", name);
+        return;
+    }
+    // `cuts` checks that minerals leave no particle without a material.
+    let by_minerals = !names.is_empty() && !at.context.scene.minerals.is_empty();
+    if by_minerals || names.len() == 1 || !at.is_sure_of("materials") {
+        return;
+    }
+    if names.is_empty() {
+        at.add("material", "missing material: the scene has none", "add one to `materials`");
+    } else {
+        let help = format!("name one of {}", suggest::list(names));
+        at.add("material", "missing material: the scene has several", help);
+    }
+}
+
+pub(super) fn index_exists(at: &mut At, field: impl Display, index: u32) -> bool {
+    let particles = at.context.particles;
+    let missing = particles.filter(|count| u64::from(index) >= *count);
+    if let Some(count) = missing.filter(|_| at.is_sure_of("specimen")) {
+        let help = match count {
+            0 => "the specimen has no particles".to_owned(),
+            _ => format!("the particles are 0 to {}", count - 1),
+        };
+        at.add(field, format!("no such particle ({index})"), help);
+    }
+    missing.is_none()
+}
 
 /// Checks a wall that a stage needs. Returns the wall if it exists.
 pub(super) fn wall_there<'a>(
@@ -20,10 +111,8 @@ pub(super) fn wall_there<'a>(
     if at.is_there(name) == Some(true) {
         return at.context.wall(name);
     }
-    if at.are_sure_of(&["stages", "walls"]) {
-        let message = format!("wall `{name}` is not there in this stage");
-        at.add(field, message, "bring it in with `add_walls`");
-    }
+    let message = format!("wall `{name}` is not there in this stage");
+    at.refuse(at.are_sure_of(&["stages", "walls"]), field, message, "bring it in with `add_walls`");
     None
 }
 
@@ -87,11 +176,9 @@ pub(super) fn are_apart(at: &mut At, field: &str, (a, b): (&str, &str)) {
 
 /// Finds a control by time in a stage that has none. `instead` is one by increments.
 pub(super) fn needs_time(at: &mut At, field: &str, what: &str, instead: &str) {
-    if at.is_timeless() {
-        let message = format!("{what} in a static stage, which has no time");
-        let help = format!("use `{instead}`, in every increment, or a dynamic analysis");
-        at.add(field, message, help);
-    }
+    let message = format!("{what} in a static stage, which has no time");
+    let help = format!("use `{instead}`, in every increment, or a dynamic analysis");
+    at.refuse(at.is_timeless(), field, message, help);
 }
 
 /// Checks the motion along one degree of freedom, whose unit is m or rad.
@@ -109,7 +196,6 @@ pub(super) fn motion(at: &mut At, field: &str, motion: Motion, unit: &str) {
     }
 }
 
-/// Checks the load at the end of a stage.
 pub(super) fn load(at: &mut At, force: Option<(f64, f64)>, moment: Option<f64>) {
     at.vector("force", force, "a force in N");
     at.finite("moment", moment, "a moment in N m");

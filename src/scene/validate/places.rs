@@ -1,10 +1,10 @@
 //! Where walls and particles are: no particle is behind a wall, or so far away that numbers are too
-//! coarse.
+//! coarse, and no walls pass through each other.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Display;
 
-use crate::scene::format::Wall;
+use crate::scene::format::{Load, Scene, Wall, WallControl};
 
 use super::findings::At;
 
@@ -22,11 +22,6 @@ fn finest((x, y): (f64, f64)) -> f64 {
     f64::EPSILON * x.abs().max(y.abs())
 }
 
-/// Whether floating-point numbers at a disk are too coarse for it.
-pub(super) fn is_too_far(place: (f64, f64), radius: f64) -> bool {
-    finest(place) > COARSEST * radius
-}
-
 /// Whether the centre of a disk is on the outer side of a wall that is a line: also beyond the ends
 /// of its drawn segment. Nothing is behind a wall that is yet to come at the outermost particles.
 pub fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
@@ -37,6 +32,15 @@ pub fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
     let from = (x - wall.start.0, y - wall.start.1);
     let inward = (along.0 * from.1 - along.1 * from.0) / length(wall);
     inward < -BEHIND * radius
+}
+
+/// The walls that are there from the start and that a disk is behind.
+pub(super) fn walls_before(
+    scene: &Scene,
+    place: (f64, f64),
+    radius: f64,
+) -> impl Iterator<Item = &Wall> {
+    scene.walls.iter().filter(move |wall| wall.present && is_behind(wall, place, radius))
 }
 
 /// Length of the drawn segment, m.
@@ -109,11 +113,12 @@ pub(super) fn outline(
 pub(super) fn not_too_far(
     at: &mut At,
     field: impl Display,
-    what: &str,
+    what: impl Display,
     place: (f64, f64),
     radius: f64,
-) {
-    if is_too_far(place, radius) {
+) -> bool {
+    let is_too_far = finest(place) > COARSEST * radius;
+    if is_too_far {
         let message = format!("{what} is too far from the origin {place:?}");
         let step = finest(place);
         let help = format!(
@@ -121,24 +126,96 @@ pub(super) fn not_too_far(
         );
         at.add(field, message, help);
     }
+    !is_too_far
 }
 
 /// Checks that a disk is not behind a wall.
 pub(super) fn not_behind(
     at: &mut At,
     field: impl Display,
-    what: &str,
+    what: impl Display,
     place: (f64, f64),
     radius: f64,
-) {
+) -> bool {
     let scene = at.context.scene;
-    if !at.is_sure_of("walls") || scene.keep.is_some() {
-        return;
+    if scene.keep.is_some() {
+        return true;
     }
-    let behind = |wall: &&Wall| wall.present && is_behind(wall, place, radius);
-    for wall in scene.walls.iter().filter(behind) {
+    let mut is_fine = true;
+    for wall in walls_before(scene, place, radius) {
+        is_fine = false;
         let message = format!("{what} is behind wall `{}` {place:?}", wall.name);
         let help = "move it inside; a wall has its inside on the left of start to end";
-        at.add(&field, message, help);
+        at.refuse(at.is_sure_of("walls"), &field, message, help);
     }
+    is_fine
+}
+
+/// Checks the imposed motions of walls. A displacement applies to every increment. If it is
+/// mistaken for that of the stage, the walls meet: two parallel walls that face each other must not
+/// do so in a stage without stop conditions. Motions in earlier stages are included. If a wall is
+/// absent, or follows a load, a velocity or another system, the distance of its pairs is unknown
+/// from then on.
+pub(super) fn crossing(at: &mut At) {
+    if !at.are_sure_of(&["walls", "stages"]) {
+        return;
+    }
+    let walls = &at.context.scene.walls;
+    for (i, a) in walls.iter().enumerate() {
+        for b in &walls[i + 1..] {
+            if let Some(distance) = facing(a, b).filter(|_| a.present && b.present) {
+                pair(at, (a, b), distance);
+            }
+        }
+    }
+}
+
+fn pair(at: &mut At, (a, b): (&Wall, &Wall), drawn: f64) {
+    let mut distance = drawn;
+    for (i, stage) in at.context.scene.stages.iter().enumerate() {
+        let Some(stage) = stage.load() else { continue };
+        let (Some(of_a), Some(of_b)) = (closing(stage, a), closing(stage, b)) else { return };
+        let closing = of_a + of_b;
+        let total = closing * f64::from(stage.increments);
+        if closing < 0.0 {
+            distance -= total;
+        }
+        let meets = if stage.stop.is_empty() { total } else { closing };
+        if meets < distance || closing <= 0.0 {
+            continue;
+        }
+        let (mover, other) = if of_a > 0.0 { (a, b) } else { (b, a) };
+        let message = format!(
+            "comes to wall `{}`, {distance:?} m away: the two close by {closing:?} m in every one of {} \
+             increments",
+            other.name, stage.increments
+        );
+        let help = "give less for an increment; a displacement is not that of the whole stage";
+        at.item("stages", i).entry("walls", &mover.name).add("", message, help);
+        return;
+    }
+}
+
+/// Inward displacement of a wall in every increment of a stage, m; `None` if the scene does not
+/// determine it.
+fn closing(stage: &Load, wall: &Wall) -> Option<f64> {
+    if stage.remove_walls.contains(&wall.name) {
+        return None;
+    }
+    match stage.walls.get(&wall.name) {
+        None | Some(WallControl::Fixed) => Some(0.0),
+        Some(WallControl::Displacement(x, y)) => {
+            let (nx, ny) = inward(wall);
+            Some(x * nx + y * ny).filter(|u| u.is_finite())
+        }
+        Some(_) => None,
+    }
+}
+
+/// Distance between two parallel lines that face each other, m; `None` for other pairs: thin walls
+/// may pass beside each other, and the place of one that comes at the outermost particles is unknown.
+fn facing(a: &Wall, b: &Wall) -> Option<f64> {
+    let is_line = |wall: &Wall| wall.shape.is_line() && wall.is_placed() && length(wall) > 0.0;
+    let face = is_line(a) && is_line(b) && are_opposite(a, b);
+    face.then(|| distance(a, b)).filter(|distance| *distance > 0.0)
 }

@@ -5,18 +5,16 @@ use clastic_components::domain;
 use crate::scene::format::{Opening, Pour, Rate, Stream};
 
 use super::findings::At;
+use super::parts::material_of;
 use super::places::is_behind;
-use super::references::material_of;
 use super::select::name_of_group;
 use super::sizes::check_sizes;
 
 /// Checks what a stage has beside a loading stage.
 pub(super) fn check(at: &mut At, stage: &Pour) {
     let Stream { through, rate, minerals, velocity, group, .. } = &stage.stream;
-    if at.is_timeless() {
-        let help = "give `analysis: Dynamic(dt: ...)` to the stage";
-        at.add("", "a static stage that pours: it has no time", help);
-    }
+    let help = "give `analysis: Dynamic(dt: ...)` to the stage";
+    at.refuse(at.is_timeless(), "", "a static stage that pours: it has no time", help);
     match *rate {
         Rate::Number(rate) => at.positive("rate[0]", rate, "a number per second"),
         Rate::Mass(rate) => at.positive("rate[0]", rate, "a mass per second in kg/s"),
@@ -35,10 +33,14 @@ pub(super) fn check(at: &mut At, stage: &Pour) {
         let allowed = |share| share > 0.0 && share <= 1.0;
         at.number("", *share, allowed, "a share of the grains above 0 and up to 1");
     }
-    if all > 1.0 + 1e-12 && at.is_sound(&at.path("minerals")) {
-        let message = format!("shares of more than 1 together ({all:?})");
-        at.add("minerals", message, "give shares of all grains");
-    }
+    let message = format!("shares of more than 1 together ({all:?})");
+    let help = "give shares of all grains";
+    at.refuse(
+        all > 1.0 + 1e-12 && at.are_sound(&[&at.path("minerals")]),
+        "minerals",
+        message,
+        help,
+    );
     name_of_group(at, group.as_deref());
     let groups = &at.context.scene.groups;
     if let Some(group) = group.as_ref().filter(|group| groups.contains_key(*group)) {

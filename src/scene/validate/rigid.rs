@@ -7,23 +7,19 @@ use super::findings::At;
 use super::parts::{is_known, load, motion, wall_there};
 use super::select::select;
 
-/// A group that exists, with those of its walls that the scene names.
-pub(super) struct There {
-    name: String,
-    walls: Vec<String>,
-}
-
-/// The groups of the state from which the scene starts. The run knows their members.
-pub(super) fn at_start(names: &[String]) -> Vec<There> {
-    names.iter().map(|name| There { name: name.clone(), walls: Vec::new() }).collect()
+/// A group that exists, with those of its walls that the scene names: none of a group of the state
+/// from which the scene starts, whose members the run knows.
+pub(super) struct There<'a> {
+    pub(super) name: &'a str,
+    pub(super) walls: &'a [String],
 }
 
 /// Checks the groups of a stage; `there` are those that exist, and afterwards those that remain.
-pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<There>) {
+pub(super) fn check<'a>(at: &mut At, stage: &'a Load, there: &mut Vec<There<'a>>) {
     for (i, name) in stage.release.iter().enumerate() {
-        let known = there.iter().map(|group| group.name.as_str());
+        let known = there.iter().map(|group| group.name);
         is_known(&mut at.item("release", i), name, known, "rigid group");
-        there.retain(|other| other.name != *name);
+        there.retain(|other| other.name != name);
     }
     for (i, name) in stage.remove_walls.iter().enumerate() {
         of_a_group(&mut at.item("remove_walls", i), name, there);
@@ -35,13 +31,13 @@ pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<There>) {
             wall_there(at, "", wall);
             of_a_group(at, wall, there);
         }
-        let is_there = there.iter().any(|group| group.name == *name);
+        let is_there = there.iter().any(|group| group.name == name);
         if control.makes() && is_there && at.is_sure_of("stages") {
             let message = format!("rigid group `{name}` is there already");
             let field = if control.select.is_some() { "select" } else { "walls" };
             at.add(field, message, "leave `select` and `walls` out, or release it first");
         } else if !control.makes() && !is_there && at.is_sure_of("stages") {
-            let known: Vec<&str> = there.iter().map(|group| group.name.as_str()).collect();
+            let known: Vec<&str> = there.iter().map(|group| group.name).collect();
             let mut help = "give `select` or `walls` to make it".to_owned();
             if !known.is_empty() {
                 help += &format!(", or: {}", suggest::help(name, &known, "rigid groups"));
@@ -49,7 +45,7 @@ pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<There>) {
             at.add_at_key(format!("no rigid group `{name}`"), help);
         }
         if control.makes() && !is_there {
-            there.push(There { name: name.clone(), walls: control.walls.clone() });
+            there.push(There { name, walls: &control.walls });
         }
         control_of_group(at, control);
     }
@@ -77,10 +73,9 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
     if control.about.is_some() && !control.makes() && is_sure {
         at.add("about", "the pivot of a group that exists", "give it where the group is made");
     }
-    if control.about.is_none() && !control.walls.is_empty() {
-        let help = "give `about: (x, y)`: walls have no mass, so that they have no centre of mass";
-        at.add("walls", "a group with walls and without a pivot", help);
-    }
+    let help = "give `about: (x, y)`: walls have no mass, so that they have no centre of mass";
+    let what = "a group with walls and without a pivot";
+    at.refuse(control.about.is_none() && !control.walls.is_empty(), "walls", what, help);
     for (field, wanted, unit) in control.motions() {
         motion(at, field, wanted, unit);
     }
@@ -90,10 +85,8 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
     let (x, y) = control.total_force(1.0).unwrap_or_default();
     let moment = control.moment.unwrap_or_default();
     for ((field, wanted, _), load) in control.motions().into_iter().zip([x, y, moment]) {
-        if wanted != Motion::Free && load != 0.0 {
-            let message = format!("{field} is held or driven, and loaded too");
-            let help = "a load has no effect there: leave it out, or leave the motion free";
-            at.add(field, message, help);
-        }
+        let message = format!("{field} is held or driven, and loaded too");
+        let help = "a load has no effect there: leave it out, or leave the motion free";
+        at.refuse(wanted != Motion::Free && load != 0.0, field, message, help);
     }
 }

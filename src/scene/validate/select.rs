@@ -3,28 +3,29 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use clastic_components::domain;
+use glam::DVec2;
 
-use crate::scene::format::{Select, Stage};
+use crate::run::select::{Candidate, selects};
+use crate::scene::format::{Particle, Select, Specimen, Stage};
+use crate::scene::spans::join;
 
 use super::Context;
 use super::findings::At;
-use super::references::index_exists;
+use super::parts::index_exists;
 
-/// Checks a selection of particles.
 pub(super) fn select(at: &mut At, select: &Select) {
     let context = at.context;
     match select {
         Select::All => {
             let pours = context.scene.stages.iter().any(Stage::pours);
-            if context.particles == Some(0) && !pours && at.are_sound(&["specimen", "keep"]) {
-                let help = "add particles to the specimen, or leave this entry out";
-                at.add("", "selects no particle: the specimen has none", help);
-            }
+            let is_empty = context.particles == Some(0) && !pours;
+            let is_sure = at.are_sound(&["specimen", "keep"]);
+            let help = "add particles to the specimen, or leave this entry out";
+            at.refuse(is_empty && is_sure, "", "selects no particle: the specimen has none", help);
         }
         Select::Index(list) => {
-            if list.is_empty() {
-                at.add("", "selects no particle", "name particles by index, from 0");
-            }
+            let help = "name particles by index, from 0";
+            at.refuse(list.is_empty(), "", "selects no particle", help);
             for (i, index) in list.iter().enumerate() {
                 index_exists(at, format_args!("[{i}]"), *index);
             }
@@ -40,9 +41,8 @@ pub(super) fn select(at: &mut At, select: &Select) {
         }
         Select::Range(first, last) => {
             let sound = index_exists(at, "[0]", *first) & index_exists(at, "[1]", *last);
-            if sound && first > last {
-                at.add("[1]", format!("before the first ({last})"), "give (first, last)");
-            }
+            let help = "give (first, last)";
+            at.refuse(sound && first > last, "[1]", format!("before the first ({last})"), help);
         }
         Select::Material(name) => {
             at.material("[0]", name);
@@ -50,10 +50,9 @@ pub(super) fn select(at: &mut At, select: &Select) {
         Select::Box { min, max } => {
             let fine = at.place("min", *min) & at.place("max", *max);
             let is_sure = at.is_sure("min") && at.is_sure("max");
-            if fine && is_sure && (min.0 > max.0 || min.1 > max.1) {
-                let message = format!("not above and to the right of min ({max:?})");
-                at.add("max", message, "swap the corners");
-            }
+            let message = format!("not above and to the right of min ({max:?})");
+            let help = "swap the corners";
+            at.refuse(fine && is_sure && (min.0 > max.0 || min.1 > max.1), "max", message, help);
         }
         Select::Circle { centre, radius } => {
             at.place("centre", *centre);
@@ -61,22 +60,18 @@ pub(super) fn select(at: &mut At, select: &Select) {
         }
         Select::Layer { normal, from, to } => {
             let fine = at.vector("normal", *normal, "a direction");
-            if fine && normal.0.hypot(normal.1) <= 0.0 {
-                at.add("normal", "no direction", "give (0.0, 1.0) for y");
-            }
+            let help = "give (0.0, 1.0) for y";
+            at.refuse(fine && normal.0.hypot(normal.1) <= 0.0, "normal", "no direction", help);
             let what = "a distance from the origin in m";
             let fine = at.finite("from", *from, what) & at.finite("to", *to, what);
-            if fine && from > to {
-                at.add("to", format!("below `from` ({to:?})"), "swap the two");
-            }
+            at.refuse(fine && from > to, "to", format!("below `from` ({to:?})"), "swap the two");
         }
         Select::Polygon(corners) => {
             for (i, corner) in corners.iter().enumerate() {
                 at.place(format_args!("[{i}]"), *corner);
             }
-            if corners.len() < 3 {
-                at.add("", "a polygon of fewer than three corners", "give three or more");
-            }
+            let help = "give three or more";
+            at.refuse(corners.len() < 3, "", "a polygon of fewer than three corners", help);
         }
         Select::Loose(contacts) => {
             at.at_least_one("[0]", *contacts, "a number of contacts");
@@ -149,4 +144,93 @@ fn mentions<'a>(
         return groups.get(other).is_some_and(|next| mentions(groups, next, name, seen));
     }
     select.parts().into_iter().any(|part| mentions(groups, part, name, seen))
+}
+
+/// Finds regions and sets that select no particle: a control of particles would have no effect.
+///
+/// Positions are known until a stage moves the particles, and the particles until one is removed.
+/// The check therefore covers the first stage that loads or removes. For later stages the run makes
+/// this check when they begin.
+pub(super) fn regions(at: &mut At) {
+    let context = at.context;
+    let scene = context.scene;
+    let moves = |stage: &Stage| !matches!(stage, Stage::Cement(_) | Stage::Save(_));
+    let unmoved = scene.stages.iter().position(moves);
+    let Some((i, stage)) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
+    let is_known = match &scene.specimen {
+        // A run that is resumed does not read the state again, and its particles are elsewhere.
+        Specimen::State { .. } => context.state().is_some_and(|state| state.saved.is_some()),
+        _ => context.is_read(),
+    };
+    // Rows are not indices where particles were taken away before.
+    let has_gaps =
+        context.specimen.is_some_and(|stored| stored.indices != stored.rows.len() as u64);
+    if !is_known || has_gaps || by_place(stage, &scene.groups).next().is_none() {
+        return;
+    }
+    // An invalid recipe makes no particles.
+    let at = &mut at.item("stages", i);
+    let is_sound = at.are_sound(&["specimen", "groups", "materials", "minerals", "keep"])
+        && ["particles", "rigid", "select"].iter().all(|field| at.are_sound(&[&at.path(field)]));
+    if !is_sound {
+        return;
+    }
+    let seeds = context.at_start();
+    let only = context.materials.first().filter(|_| context.materials.len() == 1);
+    let probes: BTreeMap<u32, &str> =
+        scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();
+    for (entry, select) in by_place(stage, &scene.groups) {
+        let has = |(seed, index): (&Particle, u32)| {
+            let of = Candidate {
+                index,
+                place: seed.position.into(),
+                material: seed.material.as_deref().or(only.copied()),
+                group: seed.group.as_deref(),
+                probe: seed.probe.as_deref().or(probes.get(&index).copied()),
+                core: u32::MAX,
+            };
+            selects(select, &scene.groups, &of)
+        };
+        if !seeds.iter().zip(0..).any(has) {
+            let (why, what) = match select {
+                Select::Box { .. } => (": no centre is in the box", "a box that holds some"),
+                _ => ("", "one that has some"),
+            };
+            at.add(entry, format!("selects no particle{why}"), bounds(what, &seeds));
+        }
+    }
+}
+
+/// Entries of a stage whose particles depend on places or on sets: place and selection.
+fn by_place<'a>(
+    stage: &'a Stage,
+    groups: &'a BTreeMap<String, Select>,
+) -> impl Iterator<Item = (String, &'a Select)> {
+    let of = |select: &Select| match select {
+        Select::All | Select::Index(_) | Select::Range(..) | Select::Probe(_) => false,
+        Select::Group(name) if !groups.contains_key(name) => false,
+        _ => !select.needs_forces(groups),
+    };
+    let load = stage.load();
+    let controls = load.into_iter().flat_map(|load| load.particles.iter().enumerate());
+    let controls = controls.map(|(k, control)| (format!("particles[{k}].select"), &control.select));
+    let rigid = load.into_iter().flat_map(|load| &load.rigid).filter_map(|(name, control)| {
+        Some((format!("{}.select", join("rigid", name)), control.select.as_ref()?))
+    });
+    let removed = if let Stage::Remove(stage) = stage { Some(&stage.select) } else { None };
+    let removed = removed.map(|select| ("select".to_owned(), select));
+    controls.chain(rigid).chain(removed).filter(move |(_, select)| of(select))
+}
+
+/// What to give instead, with the range of the centres.
+fn bounds(what: &str, seeds: &[Particle]) -> String {
+    let centres = || seeds.iter().map(|seed| DVec2::from(seed.position));
+    let (Some(low), Some(high)) = (centres().reduce(DVec2::min), centres().reduce(DVec2::max))
+    else {
+        return "the specimen has no particles".to_owned();
+    };
+    format!(
+        "give {what}: the centres are between ({:.4e}, {:.4e}) and ({:.4e}, {:.4e})",
+        low.x, low.y, high.x, high.y
+    )
 }

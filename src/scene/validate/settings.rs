@@ -2,7 +2,9 @@
 
 use clastic_components::domain;
 
-use crate::scene::format::{Analysis, Avalanche, FrictionLaw, RuptureOrder, Solver, VERSION};
+use crate::scene::format::{
+    Analysis, Avalanche, FrictionLaw, Rupture, RuptureOrder, Solver, VERSION,
+};
 
 use super::findings::At;
 
@@ -11,10 +13,9 @@ const MOST_HALVINGS: u32 = 30;
 
 pub(super) fn check(at: &mut At) {
     let scene = at.context.scene;
-    if scene.version != VERSION {
-        let message = format!("unknown version ({})", scene.version);
-        at.add("version", message, format!("this build reads version {VERSION}"));
-    }
+    let message = format!("unknown version ({})", scene.version);
+    let help = format!("this build reads version {VERSION}");
+    at.refuse(scene.version != VERSION, "version", message, help);
     for (name, value) in &scene.values {
         at.entry("let", name).finite("", *value, "a number");
     }
@@ -28,14 +29,12 @@ pub(super) fn check(at: &mut At) {
     at.within("rupture.tolerance", rupture.tolerance, domain::OVERLOAD);
     at.within("rupture.density", rupture.density, domain::DENSITY_OF_RUPTURES);
     at.within("rupture.brittleness", rupture.brittleness, domain::BRITTLENESS);
-    if rupture.order != RuptureOrder::Events && rupture.avalanche != Avalanche::default() {
-        let message = format!(
-            "`{:?}` has no effect: with `order: {:?}` there are no avalanches",
-            rupture.avalanche, rupture.order
-        );
-        let help = "give `order: Events`, or leave `avalanche` out";
-        at.add("rupture.avalanche", message, help);
-    }
+    let Rupture { order, avalanche, .. } = rupture;
+    let is_idle = *order != RuptureOrder::Events && *avalanche != Avalanche::default();
+    let message =
+        format!("`{avalanche:?}` has no effect: with `order: {order:?}` there are no avalanches");
+    let help = "give `order: Events`, or leave `avalanche` out";
+    at.refuse(is_idle, "rupture.avalanche", message, help);
     if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
         let allowed = |value| value > 0.0 && value <= 1e-2;
         at.number("solver.tolerance", tolerance, allowed, "a tolerance above 0 and up to 1e-2");
@@ -44,13 +43,11 @@ pub(super) fn check(at: &mut At) {
     let acceptance = scene.acceptance;
     at.within("acceptance.residual", acceptance.residual, domain::RESIDUAL);
     at.within("acceptance.turn", acceptance.turn, domain::TURN);
-    if acceptance.halvings > MOST_HALVINGS {
-        let message = format!("out of range ({})", acceptance.halvings);
-        at.add("acceptance.halvings", message, format!("give a number up to {MOST_HALVINGS}"));
-    }
+    let message = format!("out of range ({})", acceptance.halvings);
+    let help = format!("give a number up to {MOST_HALVINGS}");
+    at.refuse(acceptance.halvings > MOST_HALVINGS, "acceptance.halvings", message, help);
 }
 
-/// The analysis of the scene or of a stage.
 pub(super) fn analysis(at: &mut At, analysis: Option<Analysis>) {
     if let Some(Analysis::Dynamic { dt, theta }) = analysis {
         at.within("analysis.dt", dt, domain::TIME_STEP);

@@ -15,17 +15,15 @@ pub(super) fn check_sizes(at: &mut At, sizes: &Sizes) -> Option<(f64, f64)> {
             let ranged = at.range("limits", limits, what);
             at.not_negative("deviation", deviation, "a standard deviation of ln(radius)");
             let positive = at.positive("radius", median, what);
-            if positive && ranged && !(limits.0..=limits.1).contains(&median) {
-                let message = format!("the median is outside of the limits ({median:?})");
-                at.add("radius", message, "give a median between the limits");
-            }
+            let is_outside = positive && ranged && !(limits.0..=limits.1).contains(&median);
+            let message = format!("the median is outside of the limits ({median:?})");
+            at.refuse(is_outside, "radius", message, "give a median between the limits");
             ranged
         }
     };
     sizes.limits().filter(|_| fine && at.is_sure(""))
 }
 
-/// Checks a sieve curve.
 fn sieve(at: &mut At, passing: &[(f64, f64)]) -> bool {
     let mut fine = true;
     for (i, (diameter, percent)) in passing.iter().enumerate() {

@@ -1,20 +1,23 @@
-//! Particles, and the recipes that make them.
+//! Particles, the recipes that make them, and the saved states that have them.
+
+use std::collections::{BTreeMap, BTreeSet};
 
 use clastic_components::domain;
 
 use crate::scene::coincident::coincident;
 use crate::scene::diagnostic::MAX_SHOWN;
-use crate::scene::format::{Particle, Specimen, Stage, Wall};
+use crate::scene::format::{Particle, Specimen, Stage};
 use crate::scene::limits::{MAX_MEMORY, MAX_PARTICLES};
 use crate::scene::memory::{self, Need};
-use crate::scene::stored::StoredSpecimen;
+use crate::scene::stored_state::StoredSpecimen;
+use crate::scene::suggest;
 
+use super::bonds;
 use super::findings::At;
-use super::places::{is_behind, is_too_far, not_behind, not_too_far, outline};
-use super::references::material_of;
+use super::parts::material_of;
+use super::places::{not_behind, not_too_far, outline};
 use super::select::name_of_group;
 use super::sizes::check_sizes;
-use super::{bonds, state};
 
 pub(super) fn check(at: &mut At) {
     let context = at.context;
@@ -52,7 +55,7 @@ pub(super) fn check(at: &mut At) {
                 rows(own, stored, material.as_deref());
             }
         }
-        Specimen::State { materials, .. } => state::check(at, materials),
+        Specimen::State { materials, .. } => state(at, materials),
     }
     bonds::check(at);
 }
@@ -100,7 +103,7 @@ fn particles(at: &mut At, list: &[Particle]) {
     if at.is_sure_of("specimen") {
         let disk = |p: &Particle| (p.position.0, p.position.1, p.radius);
         let disks: Vec<_> = list.iter().map(disk).collect();
-        for (earlier, later) in coincident(&disks, MAX_SHOWN) {
+        for (earlier, later) in coincident(&disks) {
             let place = list[later].position;
             let message = format!("the same place as particle {earlier} {place:?}");
             at.add(format_args!("[{later}].position"), message, "leave one of them out");
@@ -116,11 +119,9 @@ fn packing(
     (spacing, origin): (f64, (f64, f64)),
     (minimum, maximum): (f64, f64),
 ) {
-    if spacing < 2.0 * maximum {
-        let message = format!("smaller than the maximum diameter ({spacing:?})");
-        let help = format!("give a spacing in m of {:?} or more", 2.0 * maximum);
-        at.add("spacing", message, help);
-    }
+    let message = format!("smaller than the maximum diameter ({spacing:?})");
+    let help = format!("give a spacing in m of {:?} or more", 2.0 * maximum);
+    at.refuse(spacing < 2.0 * maximum, "spacing", message, help);
     let Some((count, columns)) = counts else { return };
     // Every disk stays in its cell, so the outermost centres are at least a radius inside the grid.
     let rows = count.div_ceil(columns);
@@ -133,28 +134,65 @@ fn packing(
 }
 
 fn rows(at: &mut At, stored: &StoredSpecimen, default: Option<&str>) {
-    let context = at.context;
     if default.is_some() || stored.rows.iter().any(|row| row.material.is_none()) {
         material_of(at, default);
     }
-    let is_cut = context.scene.keep.is_some();
-    let mut shown = 0;
+    let mut wrong = 0;
     for (i, row) in stored.rows.iter().enumerate() {
         let place = (row.x, row.y);
-        let behind = |wall: &Wall| !is_cut && wall.present && is_behind(wall, place, row.r);
-        let unknown = row.material.as_deref().filter(|name| !context.materials.contains(name));
-        let sound = unknown.is_none() && !is_too_far(place, row.r);
-        if sound && !context.scene.walls.iter().any(behind) {
-            continue;
+        let whose = format_args!("particle {i} of the file");
+        let fine = row.material.as_deref().is_none_or(|name| at.material("path", name))
+            & not_too_far(at, "path", whose, place, row.r)
+            & not_behind(at, "path", whose, place, row.r);
+        wrong += usize::from(!fine);
+        if wrong == MAX_SHOWN {
+            return;
         }
-        shown += 1;
-        if let Some(name) = unknown {
-            at.material("path", name);
-        }
-        let whose = format!("particle {i} of the file");
-        not_too_far(at, "path", &whose, place, row.r);
-        not_behind(at, "path", &whose, place, row.r);
-        if shown == MAX_SHOWN {
+    }
+}
+
+/// Checks the saved state from which a scene starts.
+fn state(at: &mut At, renamed: &BTreeMap<String, String>) {
+    let context = at.context;
+    for (name, new) in renamed {
+        at.entry("specimen.materials", name).material("", new);
+    }
+    // A run that is resumed does not read the state again.
+    let Some(stored) = context.specimen else { return };
+    let Some(state) = &stored.state else { return };
+    let Some(saved) = &state.saved else { return };
+    let there: Vec<&str> = saved.materials.iter().map(|(name, _)| name.as_str()).collect();
+    for name in renamed.keys().filter(|name| !there.contains(&name.as_str())) {
+        let help = suggest::help(name, &there, "materials of the state");
+        let message = format!("the state has no material `{name}`");
+        at.entry("specimen.materials", name).add_at_key(message, help);
+    }
+    let used: BTreeSet<&str> =
+        stored.rows.iter().filter_map(|row| row.material.as_deref()).collect();
+    let lost = used.iter().filter(|name| !context.materials.contains(name));
+    // A name that `materials` gives is reported there.
+    for name in lost.filter(|name| !renamed.values().any(|new| new == *name)) {
+        let message = format!("the scene lacks material `{name}` of the state");
+        let help = format!(
+            "add it to `materials` of the scene, or rename it: materials: {{{name:?}: NAME}}, \
+             with one of {}",
+            suggest::list(&context.materials)
+        );
+        at.refuse(at.is_sure_of("materials"), "specimen", message, help);
+    }
+    if state.gives_walls {
+        return;
+    }
+    for name in saved.groups_with_walls().unwrap_or_default() {
+        let message = format!("walls of the state, which belong to its rigid group `{name}`, go");
+        let help = "release the group in the run that saves, or leave `walls` out";
+        at.add("walls", message, help);
+    }
+    let before = at.list.len();
+    for (i, row) in stored.rows.iter().enumerate() {
+        let whose = format_args!("particle {i} of the state");
+        not_behind(at, "specimen.path", whose, (row.x, row.y), row.r);
+        if at.list.len() >= before + MAX_SHOWN {
             return;
         }
     }

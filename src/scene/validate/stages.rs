@@ -20,17 +20,13 @@ const MAX_STEPS: f64 = 1e8;
 pub(super) fn check(at: &mut At) {
     let context = at.context;
     let scene = context.scene;
-    if at.is_sure_of("stages") {
-        let names = scene.stages.iter().enumerate();
-        let names = names.map(|(i, stage)| (format!("stages[{i}].name"), stage.name()));
-        at.unique("name of a stage", names);
-    }
+    at.names("stages", "name of a stage", &context.stages);
     files(at, &scene.stages);
-    if scene.stages.is_empty() && at.is_sure_of("stages") {
-        let help = "add one, such as Load(name: \"load\", increments: 10)";
-        at.add("stages", "no stage: nothing would happen", help);
-    }
-    let mut groups = rigid::at_start(&scene.rigid_at_start);
+    let help = "add one, such as Load(name: \"load\", increments: 10)";
+    let what = "no stage: nothing would happen";
+    at.refuse(scene.stages.is_empty() && at.is_sure_of("stages"), "stages", what, help);
+    let at_start = scene.rigid_at_start.iter();
+    let mut groups: Vec<_> = at_start.map(|name| rigid::There { name, walls: &[] }).collect();
     let mut skins: Vec<_> = membranes::inherited(context.specimen).cloned().collect();
     let mut stresses = carried::inherited(context.specimen);
     for (i, stage) in scene.stages.iter().enumerate() {
@@ -42,11 +38,10 @@ pub(super) fn check(at: &mut At) {
         };
         match stage {
             Stage::Compact(stage) => {
-                if !groups.is_empty() && at.is_sure_of("stages") {
-                    let help = "release rigid groups before, or make them after it";
-                    at.add("", "a compaction with rigid groups", help);
-                }
-                membranes::none(at, "a compaction", &skins);
+                let help = "release rigid groups before, or make them after it";
+                let what = "a compaction with rigid groups";
+                at.refuse(!groups.is_empty() && at.is_sure_of("stages"), "", what, help);
+                membranes::none(at, &skins);
                 compact(at, stage);
             }
             Stage::Cement(stage) => cement(at, stage),
@@ -123,16 +118,13 @@ fn compact(at: &mut At, stage: &Compact) {
         let middle = |wall: &Wall| (wall.start.0 + wall.end.0, wall.start.1 + wall.end.1);
         let (a, b) = (middle(moving), middle(fixed));
         let increments = 0.5 * (a.0 - b.0).hypot(a.1 - b.1) / step;
-        if increments > MAX_STEPS {
-            let message =
-                format!("too small a step: {step:?} m takes about {increments:.0e} increments");
-            at.add("step", message, "give a greater step in m");
-        }
+        let message =
+            format!("too small a step: {step:?} m takes about {increments:.0e} increments");
+        at.refuse(increments > MAX_STEPS, "step", message, "give a greater step in m");
     }
     at.not_negative("agitation", *agitation, "a number of radii");
 }
 
-/// Checks the recording of a stage.
 pub(super) fn record(at: &mut At, record: &Record) {
     let at = &mut at.field("record");
     at.at_least_one("every", record.every, "a number of increments");
@@ -148,36 +140,30 @@ fn cement(at: &mut At, stage: &Cement) {
     let allowed = |bonds| bonds > 0.0 && bonds <= 6.0;
     let what = "a number of bonds of a particle, at most 6";
     at.number("coordination", stage.coordination, allowed, what);
-    if stage.length.is_some() == stage.coordination.is_some() {
-        let message = "one of `length` and `coordination` says how many bonds there are";
-        let help = "give `length`, in m, or `coordination`, the mean number of bonds of a particle";
-        at.add("", message, help);
-    }
-    if stage.walls && stage.coordination.is_some() {
-        let help = "cement walls in a stage of its own, by `length`";
-        at.add("walls", "walls have no coordination", help);
-    }
+    let message = "one of `length` and `coordination` says how many bonds there are";
+    let help = "give `length`, in m, or `coordination`, the mean number of bonds of a particle";
+    at.refuse(stage.length.is_some() == stage.coordination.is_some(), "", message, help);
+    let help = "cement walls in a stage of its own, by `length`";
+    let what = "walls have no coordination";
+    at.refuse(stage.walls && stage.coordination.is_some(), "walls", what, help);
     if let Some(of) = &stage.select {
         select(&mut at.field("select"), of);
     }
     materials::bond(&mut at.field("bond"), stage.bond);
-    if !stage.particles && !stage.walls {
-        at.add("particles", "nothing to bond", "bond particles, `walls: true`, or both");
-    }
+    let help = "bond particles, `walls: true`, or both";
+    at.refuse(!stage.particles && !stage.walls, "particles", "nothing to bond", help);
     let no_law =
         stage.bond.is_none() && scene.materials.values().all(|material| material.bond.is_none());
     let to_walls = stage.walls
         && (scene.walls.iter().any(|wall| wall.bond.is_some()) || !at.is_sure_of("walls"));
-    if no_law && !to_walls && at.is_sure_of("materials") {
-        let help = "add `bond: (...)` to the material that is to be cemented";
-        at.add("", "no material has a bond law", help);
-    }
+    let help = "add `bond: (...)` to the material that is to be cemented";
+    let what = "no material has a bond law";
+    at.refuse(no_law && !to_walls && at.is_sure_of("materials"), "", what, help);
 }
 
 fn custom(at: &mut At, stage: &CustomStage) {
-    if stage.kind.is_empty() {
-        at.add("kind", "no kind", "name a kind that a plugin of the program provides");
-    }
+    let help = "name a kind that a plugin of the program provides";
+    at.refuse(stage.kind.is_empty(), "kind", "no kind", help);
     settings::analysis(at, stage.analysis);
     at.vector("gravity", stage.gravity, GRAVITY.what);
     for (name, value) in &stage.values {

@@ -17,22 +17,17 @@ pub(super) fn check(at: &mut At, stop: &Stop) {
         }
         Stop::Full(time) => {
             at.positive("[0]", *time, "a time in s");
-            if !scene.stages[at.stage].pours() {
-                let message = "it can never hold: this stage pours nothing";
-                at.add("", message, "leave it out, or make the stage a `Pour`");
-            }
+            let message = "it can never hold: this stage pours nothing";
+            let help = "leave it out, or make the stage a `Pour`";
+            at.refuse(!scene.stages[at.stage].pours(), "", message, help);
         }
         Stop::Rest(speed) => {
             at.positive("[0]", *speed, "a speed in m/s");
-            if at.is_timeless() {
-                let message = "a stop by speed in a static stage, which has no time";
-                at.add("", message, "use a dynamic analysis");
-            }
+            let message = "a stop by speed in a static stage, which has no time";
+            at.refuse(at.is_timeless(), "", message, "use a dynamic analysis");
         }
         Stop::Below(name, value) | Stop::Above(name, value) | Stop::Until(name, value) => {
-            let names: Vec<_> =
-                scene.measures.iter().map(|measure| measure.name.as_str()).collect();
-            at.reference("[0]", name, ("measure", "measures"), &names);
+            at.reference("[0]", name, ("measure", "measures"), &at.context.measures);
             if let Some(Quantity::Strain(_)) = scene.measure(name) {
                 let allowed = |value: f64| value.abs() < 1.0;
                 at.number("[1]", *value, allowed, "a strain as a fraction: 0.12 is 12 %");
@@ -72,10 +67,9 @@ fn never(at: &mut At, stop: &Stop) {
             format!("it can never hold: wall `{wall}`, on which it is measured, is not there");
         at.add("", message, "measure on walls of this stage, or leave it out");
     }
-    if at.is_timeless() && matches!(of, Quantity::Time) {
-        let message = "it can never hold: a static stage has no time";
-        at.add("", message, "use a dynamic analysis");
-    }
+    let message = "it can never hold: a static stage has no time";
+    let help = "use a dynamic analysis";
+    at.refuse(at.is_timeless() && matches!(of, Quantity::Time), "", message, help);
     let last = context.stages.len().saturating_sub(1);
     let reference = match &scene.reference_stage {
         Some(name) => context.stages.iter().position(|stage| *stage == name).unwrap_or(0),
@@ -89,11 +83,10 @@ fn never(at: &mut At, stop: &Stop) {
         Quantity::Grains { moved, .. } => *moved > 0.0,
         _ => false,
     };
-    if counts && at.stage < reference {
-        let name = context.stages[reference];
-        let the_last = if reference == last { ", the last one" } else { "" };
-        let message =
-            format!("it can never hold: strains count from the start of stage `{name}`{the_last}");
-        at.add("", message, "set `reference_stage` to this stage or an earlier one");
-    }
+    let name = context.stages[reference];
+    let the_last = if reference == last { ", the last one" } else { "" };
+    let message =
+        format!("it can never hold: strains count from the start of stage `{name}`{the_last}");
+    let help = "set `reference_stage` to this stage or an earlier one";
+    at.refuse(counts && at.stage < reference, "", message, help);
 }

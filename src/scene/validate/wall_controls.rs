@@ -57,13 +57,9 @@ pub(super) fn control_of_wall(at: &mut At, name: &str, control: &WallControl, in
         }
         WallControl::Lid { load, slide } => lid(at, name, load, *slide),
         WallControl::Follow(table) => {
-            follow(at, name, table);
-            if let Table::Rotation { about, angle } = table {
-                at.place("about", *about);
-                // Part of the table that an increment takes.
-                let step = dt.unwrap_or(1.0 / f64::from(increments.max(1)));
-                turns(&mut at.field("angle"), angle, step);
-            }
+            // Part of a table that an increment takes.
+            let step = dt.unwrap_or(1.0 / f64::from(increments.max(1)));
+            follow(at, name, table, step);
         }
     }
 }
@@ -88,10 +84,8 @@ fn loaded_between(at: &mut At, name: &str, between: Option<&(String, String)>) {
     for (field, other) in [("between[0]", a), ("between[1]", b)] {
         wall_there(at, field, other);
         one_piece(at, field, other, ("place and normal", ONE_PIECE));
-        if other == name {
-            let help = "name the two walls that bound its loaded length";
-            at.add(field, format!("the wall itself (`{name}`)"), help);
-        }
+        let help = "name the two walls that bound its loaded length";
+        at.refuse(other == name, field, format!("the wall itself (`{name}`)"), help);
     }
     at.pair("between", (a, b), "wall");
     are_apart(at, "between", (a, b));
@@ -120,42 +114,42 @@ fn lid(at: &mut At, name: &str, load: &LidLoad, slide: Slide) {
     }
 }
 
-fn follow(at: &mut At, name: &str, table: &Table) {
-    let (field, what, needs_normal) = match table {
-        Table::Displacement(_) => ("", "a displacement in m", false),
-        Table::Force(_) => ("", "a force in N", true),
-        Table::Rotation { .. } => ("angle", "an angle in rad", false),
-        Table::Stress { between, .. } => {
-            loaded_between(at, name, between.as_ref());
-            ("stress", "a stress in Pa", true)
-        }
-    };
-    let at = &mut at.field(field);
-    if needs_normal {
-        one_piece(at, "", name, ("normal", ONE_PIECE));
-    }
+fn follow(at: &mut At, name: &str, table: &Table, step: f64) {
     match table {
         Table::Displacement(points) => {
-            points_of(at, points.iter().map(|(s, x, y)| (*s, [*x, *y])), what);
+            let points = points.iter().map(|(s, x, y)| (*s, [*x, *y]));
+            points_of(at, points, "a displacement in m");
         }
-        Table::Force(points)
-        | Table::Rotation { angle: points, .. }
-        | Table::Stress { stress: points, .. } => {
-            points_of(at, points.iter().map(|(s, value)| (*s, [*value])), what);
+        Table::Force(force) => {
+            one_piece(at, "", name, ("normal", ONE_PIECE));
+            graph(at, force, "a force in N");
+        }
+        Table::Rotation { about, angle } => {
+            graph(&mut at.field("angle"), angle, "an angle in rad");
+            at.place("about", *about);
+            turns(&mut at.field("angle"), angle, step);
+        }
+        Table::Stress { stress, between } => {
+            loaded_between(at, name, between.as_ref());
+            one_piece(at, "stress", name, ("normal", ONE_PIECE));
+            graph(&mut at.field("stress"), stress, "a stress in Pa");
         }
     }
 }
 
+/// Checks a table of one value.
+pub(super) fn graph(at: &mut At, points: &[(f64, f64)], what: &str) {
+    points_of(at, points.iter().map(|(s, value)| (*s, [*value])), what);
+}
+
 /// Checks the points of a table: a time or a part of the stage, and values then.
-pub(super) fn points_of<const N: usize>(
+fn points_of<const N: usize>(
     at: &mut At,
     points: impl ExactSizeIterator<Item = (f64, [f64; N])>,
     what: &str,
 ) {
-    if points.len() < 2 {
-        let help = "give two or more, in order of time or progress";
-        at.add("", "a table of fewer than two points", help);
-    }
+    let help = "give two or more, in order of time or progress";
+    at.refuse(points.len() < 2, "", "a table of fewer than two points", help);
     let mut last = None;
     for (k, (s, values)) in points.enumerate() {
         let at = &mut at.item("", k);

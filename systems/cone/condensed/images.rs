@@ -25,8 +25,8 @@ struct Image {
 #[derive(Clone, Debug, Default)]
 pub struct Images {
     list: Vec<Image>,
-    /// Number of the image by interaction, `u32::MAX` without one; empty without images.
-    of_interaction: Vec<u32>,
+    /// Number of the image by interaction; empty without images.
+    of_interaction: Vec<Option<u32>>,
     /// Number of bodies: the first image has this place.
     bodies: usize,
     /// Place of the cell, and its axis.
@@ -56,8 +56,8 @@ impl Images {
         let (mut list, mut of_interaction) = (Vec::new(), Vec::new());
         let interactions = program.interactions.iter().enumerate();
         for (number, c) in interactions.filter(|(_, c)| c.is_across()) {
-            of_interaction.resize(program.interactions.len(), u32::MAX);
-            of_interaction[number] = list.len() as u32;
+            of_interaction.resize(program.interactions.len(), None);
+            of_interaction[number] = Some(list.len() as u32);
             let of = place[c.b as usize];
             list.push(Image { of, free: free[of], shift: c.image });
         }
@@ -90,8 +90,8 @@ impl Images {
     /// make with the cell.
     #[inline]
     pub fn at(&self, interaction: usize) -> Option<(usize, usize)> {
-        let k = *self.of_interaction.get(interaction)?;
-        (k != u32::MAX).then(|| (k as usize, self.of_interaction.len() + 2 * k as usize))
+        let k = (*self.of_interaction.get(interaction)?)? as usize;
+        Some((k, self.of_interaction.len() + 2 * k))
     }
 
     /// The body behind a place: the body of an image, or the body itself.

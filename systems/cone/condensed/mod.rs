@@ -32,7 +32,7 @@ pub mod sweeps;
 
 use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
-use self::matrix::{Cholesky, Kept};
+use self::matrix::BodyMatrix;
 use self::posed::{Demand, Posed};
 use self::reduced::Reduced;
 use self::scaled::forces_in_units;
@@ -51,7 +51,7 @@ const MIN_FORCE: f64 = 1e-3;
 #[derive(Default)]
 pub struct Condensed {
     settings: CondensedSettings,
-    matrix: Kept<Cholesky>,
+    matrix: BodyMatrix,
     /// Displacements of the last solution by body, m and rad: the start of the next solve.
     last: Vec<[f64; 3]>,
 }
@@ -79,15 +79,12 @@ impl ConeSolver for Condensed {
         }
         let asleep = sleeping::find(program, &self.last);
         let awake = asleep.map(|asleep| self.solve_awake(program, tolerance, asleep));
-        let spent = awake.as_ref().map_or(0, |solution| solution.iterations);
-        let solution = match awake {
-            Some(solution) if solution.status == SolveStatus::Solved => solution,
-            _ => {
-                let at_rest = vec![false; program.bodies.len()];
-                let whole = self.solve_reduced(program, tolerance, at_rest);
-                ConeSolution { iterations: spent + whole.iterations, ..whole }
-            }
-        };
+        let mut solution = awake.unwrap_or_default();
+        if solution.status != SolveStatus::Solved {
+            let spent = solution.iterations;
+            solution = self.solve_reduced(program, tolerance, vec![false; program.bodies.len()]);
+            solution.iterations += spent;
+        }
         if solution.status == SolveStatus::Solved {
             self.last.clone_from(&solution.displacements);
         }
@@ -149,12 +146,7 @@ impl Condensed {
                 let start: Vec<_> = part.bodies.iter().map(|i| self.last[*i]).collect();
                 part.expand(program, self.solve_part(&part.program, tolerance, &start))
             }
-            None => {
-                let start = std::mem::take(&mut self.last);
-                let solution = self.solve_part(program, tolerance, &start);
-                self.last = start;
-                solution
-            }
+            None => self.solve_part(program, tolerance, &self.last.clone()),
         }
     }
 
@@ -173,8 +165,7 @@ impl Condensed {
         if let Some(solution) = swept.take_if(|s| s.status == SolveStatus::Solved) {
             return solution;
         }
-        let matrix = self.matrix.of(program);
-        let mut posed = Posed::new(program, &self.settings, matrix, demand);
+        let mut posed = Posed::new(program, &self.settings, &mut self.matrix, demand);
         if let Some(swept) = swept {
             let solution = posed.interior_after(&swept);
             if solution.status == SolveStatus::Solved {
@@ -205,10 +196,9 @@ impl Condensed {
 /// Elastic interactions carry them at zero displacement, so that only the balance is violated
 /// there. Forces of rigid interactions need not be unique.
 fn is_elastic_step(program: &ConeProgram, demand: Demand) -> bool {
-    let is_elastic = || program.interactions.iter().all(|c| c.normal_compliance > 0.0);
     demand.loose
         && !program.last_forces.is_empty()
         && !program.is_dynamic()
         && program.is_damped()
-        && is_elastic()
+        && program.interactions.iter().all(|c| c.normal_compliance > 0.0)
 }

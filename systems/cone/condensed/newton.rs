@@ -9,7 +9,7 @@
 
 use super::local::Elimination;
 use super::matrix::BodyMatrix;
-use super::scaled::{Arms, Scaled};
+use super::scaled::{Arms, Scaled, add_times};
 use super::settings::NewtonSettings;
 use super::spring::{Elastic, Response};
 
@@ -76,7 +76,7 @@ pub fn iterate<S: Elastic<F>, const F: usize>(
             local.change_step(&point, &mut step, settings);
         }
         tiny_steps = if step.length < settings.tiny_step { tiny_steps + 1 } else { 0 };
-        point.make(&step);
+        add_times(point.u.as_flattened_mut(), step.length, step.du.as_flattened());
     }
     let of = |s: &[f64; F]| std::array::from_fn(|f| if f < F { s[f] } else { 0.0 });
     let s = point.responses.iter().map(|r| of(&r.s)).collect();
@@ -226,14 +226,6 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
             };
         }
         a
-    }
-
-    fn make(&mut self, step: &Step<F>) {
-        for (u, du) in self.u.iter_mut().zip(&step.du) {
-            for k in 0..3 {
-                u[k] += step.length * du[k];
-            }
-        }
     }
 }
 

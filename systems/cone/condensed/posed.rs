@@ -2,7 +2,7 @@
 //! Newton iteration and the interior point.
 
 use super::ROUND_OFF;
-use super::interior::{self, End, Interior, Judge, Warm};
+use super::interior::{self, Goal, Interior, Judge, Warm};
 use super::local;
 use super::matrix::BodyMatrix;
 use super::newton::Newton;
@@ -46,19 +46,12 @@ impl Demand {
     pub fn goal(&self, margin: f64) -> f64 {
         (self.tolerance / margin).max(ROUND_OFF)
     }
-
-    /// The residual that the interior point aims at.
-    pub fn goal_of_interior(&self, settings: &CondensedSettings) -> f64 {
-        self.goal(settings.margin * settings.interior.near)
-    }
 }
 
 /// A program in the units and the order of the matrix.
 pub struct Posed<'a> {
     settings: &'a CondensedSettings,
     matrix: &'a mut BodyMatrix,
-    demand: Demand,
-    is_shared: bool,
     units: Units<'a>,
     iterations: u32,
     /// The program in the units of its scales.
@@ -66,22 +59,21 @@ pub struct Posed<'a> {
 }
 
 impl<'a> Posed<'a> {
-    /// The program posed for a matrix that has its pattern.
     pub fn new(
         program: &'a ConeProgram,
         settings: &'a CondensedSettings,
         matrix: &'a mut BodyMatrix,
         demand: Demand,
     ) -> Self {
+        let scaled = matrix.pose(program);
         let units = Units {
             program,
             order: matrix.order().to_vec(),
-            tolerance: demand.tolerance,
+            demand,
             is_held: program.is_damped(),
             is_elastic: program.interactions.iter().all(|c| c.normal_compliance > 0.0),
         };
-        let (scaled, is_shared) = (matrix.pose(program), matrix.is_shared());
-        Self { settings, is_shared, matrix, demand, units, iterations: 0, scaled }
+        Self { settings, matrix, units, iterations: 0, scaled }
     }
 
     /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
@@ -100,7 +92,7 @@ impl<'a> Posed<'a> {
     /// continues until the balance conserves momentum.
     pub fn newton(&mut self, start: &[[f64; 3]]) -> (Newton, ConeSolution) {
         let margin = self.settings.margin;
-        let goal = self.demand.goal(margin);
+        let goal = self.units.demand.goal(margin);
         let (result, solution) = self.newton_to(start, goal);
         let is_enough = solution.status == SolveStatus::Solved || !result.converged;
         if is_enough || !self.units.program.is_dynamic() {
@@ -111,11 +103,12 @@ impl<'a> Posed<'a> {
 
     fn newton_to(&mut self, start: &[[f64; 3]], goal: f64) -> (Newton, ConeSolution) {
         let Self { scaled, matrix, settings, units, .. } = self;
-        let result = in_pool(self.is_shared, || {
+        let result = in_pool(matrix.is_shared(), || {
             local::solve(scaled, matrix, start, &settings.newton, &settings.local, goal)
         });
         self.iterations += result.iterations;
-        let solution = units.solution(&result.u, &result.s, self.iterations, "newton");
+        let mut solution = units.solution(&result.u, &result.s, "newton");
+        solution.iterations = self.iterations;
         (result, solution)
     }
 
@@ -124,50 +117,50 @@ impl<'a> Posed<'a> {
     pub fn interior_after(&mut self, swept: &ConeSolution) -> ConeSolution {
         let start = self.in_units(&swept.displacements);
         let forces = forces_in_units(self.units.program, &swept.forces);
-        let Self { scaled, matrix, settings, units, .. } = self;
-        let warm = Some(Warm { forces: &forces, product: settings.warm_product });
-        let goal = interior::Goal::enough(self.demand.goal_of_interior(settings));
-        let judge = |point: &Interior| units.is_solution(point);
-        let (_, point) = in_pool(self.is_shared, || {
-            interior::solve(scaled, matrix, &start, warm, &settings.interior, goal, &judge)
-        });
-        self.iterations += point.iterations;
-        units.solution(&point.u, &point.s, self.iterations, "interior after sweeps")
+        self.interior_to(&start, Some(&forces), false, "interior after sweeps")
     }
 
     /// The interior point from displacements and forces, which follow from the displacements if there
     /// are none: solved, collapsed, locked, or stalled at the limit of arithmetic. An exact solution
     /// of a small program decides of every limit whether it is active.
     pub fn interior(&mut self, start: &[[f64; 3]], forces: Option<&[[f64; 3]]>) -> ConeSolution {
+        let Units { program, is_held, is_elastic, .. } = self.units;
+        // In statics tau also leads away from a start with the wrong limits.
+        let seeks_proofs = !(is_held && is_elastic && program.is_dynamic());
+        self.interior_to(start, forces, seeks_proofs, "interior")
+    }
+
+    fn interior_to(
+        &mut self,
+        start: &[[f64; 3]],
+        forces: Option<&[[f64; 3]]>,
+        seeks_proofs: bool,
+        message: &str,
+    ) -> ConeSolution {
         let Self { scaled, matrix, settings, units, .. } = self;
-        let residual = self.demand.goal_of_interior(settings);
-        let Demand { tolerance, loose, large, at_once } = self.demand;
-        let goal = if at_once {
-            interior::Goal::enough(residual)
-        } else if loose || large {
-            interior::Goal::exact(residual)
-        } else {
-            interior::Goal::exact(residual).decided(tolerance, is_rigid_plastic(units.program))
+        let Demand { tolerance, loose, large, at_once } = units.demand;
+        let goal = Goal {
+            residual: units.demand.goal(settings.margin * settings.interior.near),
+            at_once,
+            decided: (!(at_once || loose || large)).then_some(tolerance),
+            in_middle: is_rigid_plastic(units.program),
+            seeks_proofs,
         };
         let warm = forces.map(|forces| Warm { forces, product: settings.warm_product });
-        let (end, point) = in_pool(self.is_shared, || {
+        let (end, point) = in_pool(matrix.is_shared(), || {
             interior::solve(scaled, matrix, start, warm, &settings.interior, goal, units)
         });
         self.iterations += point.iterations;
-        let mut found = units.solution(&point.u, &point.s, self.iterations, "interior");
-        match end {
-            End::Solved | End::Limit => {}
-            End::Collapsed => {
-                found.certificate = units.mechanism(&point.u);
-                found.displacements =
-                    found.certificate.as_ref().map_or_else(Vec::new, |c| c.mechanism.clone());
-                found.status = SolveStatus::Collapsed;
-            }
-            End::Locked => found.status = SolveStatus::Locked,
+        let mut found = units.solution(&point.u, &point.s, message);
+        found.iterations = self.iterations;
+        if end == SolveStatus::Collapsed {
+            found.certificate = units.mechanism(&point.u);
+            found.displacements =
+                found.certificate.as_ref().map_or_else(Vec::new, |c| c.mechanism.clone());
         }
         // What is proved is not judged by residuals.
-        if matches!(end, End::Collapsed | End::Locked) {
-            found.residuals = Residuals::default();
+        if matches!(end, SolveStatus::Collapsed | SolveStatus::Locked) {
+            (found.status, found.residuals) = (end, Residuals::default());
         }
         found
     }
@@ -185,7 +178,7 @@ fn is_rigid_plastic(program: &ConeProgram) -> bool {
 struct Units<'a> {
     program: &'a ConeProgram,
     order: Vec<usize>,
-    tolerance: f64,
+    demand: Demand,
     /// Whether a weight on every degree of freedom excludes a collapse.
     is_held: bool,
     /// Whether a compliance of every normal force excludes that bodies are locked.
@@ -211,21 +204,14 @@ impl Units<'_> {
 
     /// The solution with these displacements and forces, solved if its residual is within the
     /// tolerance. With inertia displacements follow from the forces, as those that are committed.
-    fn solution(
-        &self,
-        u: &[[f64; 3]],
-        s: &[[f64; 3]],
-        iterations: u32,
-        message: &str,
-    ) -> ConeSolution {
+    fn solution(&self, u: &[[f64; 3]], s: &[[f64; 3]], message: &str) -> ConeSolution {
         let mut solution = ConeSolution {
             forces: self.forces(s),
             displacements: self.displacements(u),
-            iterations,
             message: message.to_owned(),
             ..ConeSolution::default()
         };
-        settle(self.program, &mut solution, self.tolerance);
+        settle(self.program, &mut solution, self.demand.tolerance);
         solution
     }
 
@@ -237,19 +223,14 @@ impl Units<'_> {
 
 impl Judge for Units<'_> {
     fn is_solution(&self, point: &Interior) -> bool {
-        self.solution(&point.u, &point.s, 0, "").status == SolveStatus::Solved
+        self.solution(&point.u, &point.s, "").status == SolveStatus::Solved
     }
 
-    // In statics tau also leads away from a start with the wrong limits.
-    fn seeks_proofs(&self) -> bool {
-        !(self.is_held && self.is_elastic && self.program.is_dynamic())
-    }
-
-    fn is_mechanism(&self, u: &[[f64; 3]]) -> bool {
-        !self.is_held && self.mechanism(u).is_some()
-    }
-
-    fn is_lock(&self, s: &[[f64; 3]]) -> bool {
-        !self.is_elastic && locks(self.program, &self.forces(s))
+    fn proof(&self, point: &Interior) -> Option<SolveStatus> {
+        if !self.is_held && self.mechanism(&point.u).is_some() {
+            return Some(SolveStatus::Collapsed);
+        }
+        let is_lock = !self.is_elastic && locks(self.program, &self.forces(&point.s));
+        is_lock.then_some(SolveStatus::Locked)
     }
 }

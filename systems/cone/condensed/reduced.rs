@@ -52,20 +52,16 @@ impl Reduced {
         for (k, &i) in bodies.iter().enumerate() {
             number[i] = k as u32;
         }
+        let of_part = |k: &usize| {
+            let c = program.interactions[*k];
+            Interaction { a: number[c.a as usize], b: number[c.b as usize], ..c }
+        };
+        let last = |k: &usize| program.last_forces.get(*k).copied().unwrap_or_default();
         let part = ConeProgram {
             bodies: bodies.iter().map(|i| program.bodies[*i]).collect(),
-            interactions: interactions
-                .iter()
-                .map(|&k| {
-                    let c = program.interactions[k];
-                    Interaction { a: number[c.a as usize], b: number[c.b as usize], ..c }
-                })
-                .collect(),
+            interactions: interactions.iter().map(of_part).collect(),
             scales: program.scales,
-            last_forces: interactions
-                .iter()
-                .map(|k| program.last_forces.get(*k).copied().unwrap_or_default())
-                .collect(),
+            last_forces: interactions.iter().map(last).collect(),
             cell: program.cell.map(|cell| ProgramCell { body: number[cell.body as usize], ..cell }),
         };
         Some(Self { program: part, bodies, interactions, at_rest })

@@ -4,9 +4,9 @@
 //! and one that slides has none along itself. A rigid contact has a small compliance, so that one
 //! matrix serves all programs.
 
-use super::matrix::{Cholesky, Kept};
+use super::matrix::BodyMatrix;
 use super::scaled::Local;
-use crate::program::{ConeProgram, ConeSolution};
+use crate::program::{ConeProgram, ConeSolution, Interaction};
 use crate::residuals::Carrying;
 
 /// Minimum compliance over displacement scale/force scale.
@@ -16,7 +16,7 @@ const MIN_STIFFNESS: f64 = 1e-12;
 
 /// The matrix of the last program, kept while its pairs stay.
 #[derive(Default)]
-pub struct LinearResponse(Kept<Cholesky>);
+pub struct LinearResponse(BodyMatrix);
 
 impl LinearResponse {
     /// Displacements, m and rad, by body in its own axes, that balance the `loads`, N and N m, by
@@ -29,22 +29,19 @@ impl LinearResponse {
         loads: &[[f64; 3]],
         misfits: &[[f64; 2]],
     ) -> Option<Vec<[f64; 3]>> {
-        let matrix = self.0.of(program);
-        let order = matrix.order().to_vec();
+        let matrix = &mut self.0;
         let scaled = matrix.pose(program);
         let (du, df) = program.scales.units();
         let carrying = Carrying::new(program, solution);
         let mut x = vec![[0.0; 3]; scaled.places()];
-        for (x, body) in x.iter_mut().zip(&order) {
+        for (x, body) in x.iter_mut().zip(matrix.order()) {
             *x = [0, 1, 2].map(|k| loads[*body][k] / df[k]);
         }
         matrix.clear();
         let mut values = matrix.assembly();
-        for (k, local) in scaled.locals.iter().enumerate() {
-            let is_loaded =
-                program.interactions[k].limits.has_strength() || carrying.is_carrying(k);
-            if is_loaded {
-                let d = stiffness(program, solution, local, k);
+        for (k, (local, c)) in scaled.locals.iter().zip(&program.interactions).enumerate() {
+            if c.limits.has_strength() || carrying.is_carrying(k) {
+                let d = stiffness(c, &solution.forces[k], local);
                 values.add(k, &local.arms.rows, &d);
                 let e = misfits.get(k).map_or([0.0; 2], |e| [e[0] / du[0], e[1] / du[0]]);
                 let force = [d[0][0] * e[0], d[1][1] * e[1], 0.0];
@@ -58,26 +55,18 @@ impl LinearResponse {
         if !matrix.factorise_shifted_and_solve(&mut x) {
             return None;
         }
-        let mut out = vec![[0.0; 3]; order.len()];
-        for ((x, body), free) in x.iter().zip(&order).zip(&scaled.free) {
-            out[*body] = [0, 1, 2].map(|k| if free[k] { x[k] * du[k] } else { 0.0 });
+        let mut out = vec![[0.0; 3]; program.bodies.len()];
+        for (i, k) in scaled.all_free() {
+            out[matrix.order()[i]][k] = x[i][k] * du[k];
         }
         Some(out)
     }
 }
 
-/// Stiffness of an interaction that carries a force.
-fn stiffness(
-    program: &ConeProgram,
-    solution: &ConeSolution,
-    local: &Local,
-    k: usize,
-) -> [[f64; 3]; 3] {
-    let (c, f) = (&program.interactions[k], &solution.forces[k]);
-    let slides = c.limits.slides(f);
-    let rolls = c.limits.rolls(f);
+/// Stiffness of an interaction that carries the forces `f`.
+fn stiffness(c: &Interaction, f: &[f64; 3], local: &Local) -> [[f64; 3]; 3] {
     let mut d = [[0.0; 3]; 3];
-    for (i, gives_way) in [false, slides, rolls].into_iter().enumerate() {
+    for (i, gives_way) in [false, c.limits.slides(f), c.limits.rolls(f)].into_iter().enumerate() {
         if local.has[i] && !gives_way {
             d[i][i] = local.compliance[i].max(MIN_COMPLIANCE).recip();
         }

@@ -14,22 +14,6 @@ use super::matrix::places;
 /// tension.
 pub const ROWS: usize = 4;
 
-/// The forces and limits of an interaction. The inner loops of the solver are compiled for each
-/// kind.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// p alone, with the limit of tension.
-    Normal,
-    /// p and q, with two limits of shear.
-    Friction,
-    /// p and q, with two limits of shear and that of tension.
-    Bond,
-    /// p, q and tau, with two limits of shear and two of rolling.
-    Rolling,
-    /// p and tau, with two limits of rolling; q is a dummy with a compliance and without load.
-    Wheel,
-}
-
 /// The bodies of an interaction, and how they feel `F` forces.
 #[derive(Clone, Copy, Debug)]
 pub struct Arms<const F: usize> {
@@ -91,16 +75,24 @@ pub fn first<const N: usize>(x: &[f64]) -> [f64; N] {
     std::array::from_fn(|k| x[k])
 }
 
+/// Adds `factor` times other numbers to these.
+#[inline]
+pub fn add_times(x: &mut [f64], factor: f64, y: &[f64]) {
+    for (x, y) in x.iter_mut().zip(y) {
+        *x += factor * y;
+    }
+}
+
 /// One interaction.
 #[derive(Clone, Debug)]
 pub struct Local {
     /// Its bodies and their rows.
     pub arms: Arms<3>,
-    /// Its forces and limits.
-    pub kind: Kind,
     /// Which of p, q, tau exist.
     pub has: [bool; 3],
-    /// Compliances.
+    /// Whether tension has a limit of its own.
+    pub has_tension: bool,
+    /// Compliances; 1 for a shear force that does not exist.
     pub compliance: [f64; 3],
     /// Linear terms, less the kinematics of the fixed degrees of freedom.
     pub linear: [f64; 3],
@@ -118,18 +110,11 @@ impl Local {
         let stiffness = scales.force / scales.displacement;
         let l = &c.limits;
         let has = l.forces();
-        let kind = match (l.has_shear(), l.has_rolling()) {
-            (false, false) => Kind::Normal,
-            (true, false) if l.has_tension_row() => Kind::Bond,
-            (true, false) => Kind::Friction,
-            (true, true) => Kind::Rolling,
-            (false, true) => Kind::Wheel,
-        };
         let of_moment = c.rolling_compliance * df[2] / du[2];
         Self {
             arms,
-            kind,
             has,
+            has_tension: l.has_tension_row(),
             compliance: [
                 c.normal_compliance * stiffness,
                 if has[1] { c.tangential_compliance * stiffness } else { 1.0 },
@@ -155,7 +140,7 @@ impl Local {
     pub fn limits(&self) -> impl Iterator<Item = (f64, f64)> {
         let ([f_t, c, m_0], [mu, m]) = (self.strengths, self.slopes);
         let [_, shear, rolling] = self.has.map(|has| if has { 2 } else { 0 });
-        let tension = usize::from(self.has_tension());
+        let tension = usize::from(self.has_tension);
         repeat_n((mu, c), shear)
             .chain(repeat_n((m, m_0), rolling))
             .chain(repeat_n((1.0, f_t), tension))
@@ -165,11 +150,6 @@ impl Local {
     pub fn lowest(&self) -> f64 {
         let limits = self.limits().filter(|(slope, _)| *slope > 0.0);
         limits.map(|(slope, strength)| -strength / slope).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Whether tension has a limit of its own.
-    pub fn has_tension(&self) -> bool {
-        matches!(self.kind, Kind::Normal | Kind::Bond)
     }
 }
 
@@ -267,20 +247,16 @@ impl Scaled {
         let all = [of(c.a, true), of(c.b, false)];
         for (side, body) in bodies.into_iter().enumerate() {
             for k in 0..3 {
-                for f in 0..3 {
-                    if self.free[body][k] {
-                        rows[side][k][f] = all[side][k][f];
-                    } else {
-                        fixed[f] += all[side][k][f] * self.known[body][k];
-                    }
+                if self.free[body][k] {
+                    rows[side][k] = all[side][k];
+                } else {
+                    add_times(&mut fixed, self.known[body][k], &all[side][k]);
                 }
             }
         }
         if let Some((k, _)) = self.images.at(number) {
             let by_cell = self.images.kinematics_by_cell(k, &self.known, true, &all[1]);
-            for f in 0..3 {
-                fixed[f] += by_cell[f];
-            }
+            add_times(&mut fixed, 1.0, &by_cell);
             (bodies[1], rows[1]) = (self.free.len() + k, all[1]);
         }
         (Arms { bodies: bodies.map(|i| i as u32), rows }, fixed)
@@ -317,26 +293,22 @@ impl Scaled {
         let Arms { bodies, rows } = &mut out.arms;
         if let Some(k) = self.images.number(bodies[1] as usize) {
             let by_cell = self.images.kinematics_by_cell(k, u, false, &rows[1]);
-            for f in 0..3 {
-                out.linear[f] -= by_cell[f];
-            }
+            add_times(&mut out.linear, -1.0, &by_cell);
             *bodies = self.pair(local).map(|i| i as u32);
             (rows[1], _) = self.images.rows(k, &rows[1]);
         }
         out
     }
 
+    /// Body and direction of all free degrees of freedom.
+    pub fn all_free(&self) -> impl Iterator<Item = (usize, usize)> {
+        let bodies = self.free.iter().enumerate();
+        bodies.flat_map(|(i, free)| (0..3).filter(|k| free[*k]).map(move |k| (i, k)))
+    }
+
     /// Sum of `term` of body and direction over all free degrees of freedom.
     pub fn sum_of_free(&self, term: impl Fn(usize, usize) -> f64) -> f64 {
-        let mut sum = 0.0;
-        for (i, free) in self.free.iter().enumerate() {
-            for k in 0..3 {
-                if free[k] {
-                    sum += term(i, k);
-                }
-            }
-        }
-        sum
+        self.all_free().fold(0.0, |sum, (i, k)| sum + term(i, k))
     }
 
     /// Sets the entries of fixed degrees of freedom to zero.
@@ -351,15 +323,9 @@ impl Scaled {
     /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
     /// interactions.
     pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
-        out[self.free.len()..].fill([0.0; 3]);
-        for (i, out) in out[..self.free.len()].iter_mut().enumerate() {
-            for k in 0..3 {
-                out[k] = if self.free[i][k] {
-                    self.weight[i][k] * u[i][k] - self.right[i][k]
-                } else {
-                    0.0
-                };
-            }
+        out.fill([0.0; 3]);
+        for (i, k) in self.all_free() {
+            out[i][k] = self.weight[i][k] * u[i][k] - self.right[i][k];
         }
     }
 }

@@ -15,7 +15,7 @@
 
 use super::settings::DEFAULT_RESIDUAL;
 use crate::adjacency::Adjacency;
-use crate::program::{ConeProgram, ProgramBody, Residuals, SlidingLaw};
+use crate::program::{ConeProgram, ProgramBody, SlidingLaw};
 use crate::residuals::Units;
 
 /// Maximum residual of sleeping bodies: so small that it does not count beside that of the others.
@@ -37,9 +37,8 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     let no_force = [0.0; 3];
     for (c, f) in program.interactions.iter().zip(forces.iter().chain(std::iter::repeat(&no_force)))
     {
-        let mut left = Residuals::default();
         let e = program.kinematics(c, &still);
-        units.of_interaction(SlidingLaw::Associated, c, &e, f, &mut left);
+        let left = units.of_interaction(SlidingLaw::Associated, c, &e, f);
         if left.worst() <= MAX_RESIDUAL && e[1] == 0.0 && e[2] == 0.0 {
             continue;
         }
@@ -50,8 +49,7 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(forces, &mut rows);
     for (i, body) in program.bodies.iter().enumerate().filter(|(i, _)| free[*i]) {
-        let mut left = Residuals::default();
-        units.of_balance(body, &rows[i], &[0.0; 3], 1.0, &mut left);
+        let left = units.of_balance(body, &rows[i], &[0.0; 3], 1.0);
         let slow = body.free().filter(|(_, free)| free.inertia > 0.0).all(|(k, free)| {
             let length = if k < 2 { 1.0 } else { units.length };
             let motion = (free.load - rows[i][k]) / free.inertia * length;
@@ -65,9 +63,7 @@ pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
         return None;
     }
     wake_neighbours(program, &free, &mut rests);
-    let all = (0..rests.len()).all(|i| rests[i] == free[i]);
-    let any = rests.contains(&true);
-    (any && (known_rest || !all)).then_some(rests)
+    (rests.contains(&true) && (known_rest || rests != free)).then_some(rests)
 }
 
 /// Wakes all bodies of every cluster with a body that is awake.

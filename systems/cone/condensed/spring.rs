@@ -22,9 +22,7 @@ pub struct Spring {
     stiffness: [f64; 2],
     /// Kinematics at which there is no force.
     linear: [f64; 2],
-    /// Coefficient of friction.
     friction: f64,
-    /// Cohesion.
     cohesion: f64,
     /// Tensile strength; infinite where the limits of the shear force imply it.
     tension: f64,
@@ -79,7 +77,7 @@ impl Elastic<2> for Spring {
             linear: [l.linear[0], l.linear[1]],
             friction: l.slopes[0],
             cohesion: l.strengths[1],
-            tension: if l.has_tension() { l.strengths[0] } else { f64::INFINITY },
+            tension: if l.has_tension { l.strengths[0] } else { f64::INFINITY },
             shears: l.has[1],
         }
     }

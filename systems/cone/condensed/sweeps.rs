@@ -22,13 +22,11 @@ use crate::program::{ConeProgram, ConeSolution, Interaction, SlidingLaw, SolveSt
 use crate::residuals::settle;
 
 /// Number of sweeps in a round, after which the residual is computed.
-///
 /// 40: in the collapse of 5000 disks 20 leave two more of eleven factorisations an increment; 80
 /// save less than one and cost more time than that.
 const ROUND: usize = 40;
 
 /// Maximum momentum after the first round, as a share of the last step.
-///
 /// 0.85: with the momentum of Nesterov, which tends to 1, a time step of 2000 rigid disks under
 /// Coulomb's law stays at a residual of 2e-2 and more; 0.7 takes twice as many sweeps.
 const MAX_MOMENTUM: f64 = 0.85;
@@ -85,12 +83,10 @@ struct Sweeps<const F: usize> {
 
 impl<const F: usize> Sweeps<F> {
     fn new(program: &ConeProgram, scaled: &Scaled, law: SlidingLaw) -> Self {
-        let root: Vec<[f64; 3]> = (0..scaled.free.len())
-            .map(|i| {
-                let of = |k: usize| scaled.weight[i][k].sqrt().recip();
-                [0, 1, 2].map(|k| if scaled.free[i][k] { of(k) } else { 0.0 })
-            })
-            .collect();
+        let mut root = vec![[0.0; 3]; scaled.free.len()];
+        for (i, k) in scaled.all_free() {
+            root[i][k] = scaled.weight[i][k].sqrt().recip();
+        }
         let contacts: Vec<Contact<F>> =
             scaled.locals.iter().map(|l| Contact::new(l, &root)).collect();
         let loads = root.iter().zip(&scaled.right);
@@ -220,22 +216,15 @@ impl<const F: usize> Contact<F> {
     #[inline]
     fn relax(&self, law: SlidingLaw, s: &mut [f64; F], u: &mut [[f64; 3]]) {
         let e = self.arms.kinematics(u);
-        let mut trial = [0.0; F];
-        for f in 0..F {
-            let left = e[f] - self.linear[f] - self.compliance[f] * s[f];
-            trial[f] = s[f] + self.stiffness[f] * left;
-        }
+        let trial: [f64; F] = std::array::from_fn(|f| {
+            s[f] + self.stiffness[f] * (e[f] - self.linear[f] - self.compliance[f] * s[f])
+        });
         let new = match law {
             SlidingLaw::Coulomb => self.within(&trial),
             SlidingLaw::Associated => self.project(&trial),
         };
-        let mut change = [0.0; F];
-        let mut any = false;
-        for f in 0..F {
-            change[f] = new[f] - s[f];
-            any |= change[f] != 0.0;
-        }
-        if any {
+        let change: [f64; F] = std::array::from_fn(|f| new[f] - s[f]);
+        if change != [0.0; F] {
             *s = new;
             self.arms.add_forces(&change, -1.0, u);
         }

@@ -33,7 +33,7 @@ pub fn follow(
     max: u32,
     trial: &mut Trial,
 ) -> Option<Vector> {
-    system.regularise(settings.regularisation);
+    system.regularisation = settings.regularisation;
     let first = system.residual(&z);
     let mut by_tau = Vector::zeros(&z);
     by_tau.add(-1.0, &first);
@@ -104,8 +104,8 @@ pub fn follow(
 /// the square of those in the tangent.
 fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f64, f64) {
     let (mut along, mut square) = (0.0, 0.0);
-    let both = system.along(z, tangent).zip(system.along(z, step));
-    for ((x, t), (_, c)) in both.flat_map(|(t, c)| [(t[0], c[0]), (t[1], c[1])]) {
+    let both = system.along(z, tangent).flatten().zip(system.along(z, step).flatten());
+    for ((x, t), (_, c)) in both {
         along += t * c / (x * x);
         square += t * t / (x * x);
     }

@@ -1,9 +1,7 @@
 //! Coulomb's law of one interaction, its numbers at a point, and its part of the linear system.
 
-use crate::program::{Interaction, SlidingLaw};
-
-use super::super::condensed::interior::slack;
-use super::super::condensed::scaled::{Arms, Local};
+use super::super::condensed::interior::Variables;
+use super::super::condensed::scaled::Local;
 
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
 pub const LIMITS: usize = 5;
@@ -19,31 +17,15 @@ pub const LIMITS: usize = 5;
 /// w lambda = 0,   w >= 0,   lambda >= 0
 /// ```
 pub struct Cell {
-    pub arms: Arms<3>,
-    pub compliance: [f64; 3],
-    linear: [f64; 3],
-    /// mu and m.
-    slopes: [f64; 2],
-    /// f_t, c and m_0.
-    strengths: [f64; 3],
-    /// Which limits exist.
-    on: [bool; LIMITS],
-    dilation: f64,
-    /// Compliances that regularise the matrix and are no part of the law.
-    pub soft: [f64; 3],
+    pub local: Local,
+    pub dilation: f64,
+    /// Usual compliances: a part of them regularises the matrix. They are no part of the law.
+    pub usual: [f64; 3],
 }
 
 /// The entries of an interaction in a point, a step or a residual. In a residual they are the
 /// defects of stationarity, of the limits and of the products.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Entry {
-    /// Forces p, q, tau.
-    pub s: [f64; 3],
-    /// Slacks.
-    pub w: [f64; LIMITS],
-    /// Multipliers.
-    pub l: [f64; LIMITS],
-}
+pub type Entry = Variables<3, LIMITS>;
 
 /// The part of an interaction in the linear system at a point.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,63 +37,54 @@ pub struct Linear {
 }
 
 impl Cell {
-    /// The law of an interaction.
-    pub fn new(local: &Local, c: &Interaction) -> Self {
-        let [_, shear, rolling] = local.has;
-        Self {
-            arms: local.arms,
-            compliance: local.compliance,
-            linear: local.linear,
-            slopes: local.slopes,
-            strengths: local.strengths,
-            on: [true, shear, shear, rolling, rolling],
-            dilation: SlidingLaw::Coulomb.dilation(c),
-            soft: [0.0; 3],
-        }
-    }
-
     /// The numbers of its limits.
     pub fn each_limit(&self) -> impl Iterator<Item = usize> {
-        (0..LIMITS).filter(|q| self.on[*q])
+        (0..LIMITS).filter(|q| self.local.has[q.div_ceil(2)])
     }
 
     /// The part of the strengths that forces use up: the slacks are `strength - of_limits(s)`.
     #[inline]
     fn of_limits(&self, s: &[f64; 3]) -> [f64; LIMITS] {
-        let ([p, q, tau], [mu, m]) = (*s, self.slopes);
+        let ([p, q, tau], [mu, m]) = (*s, self.local.slopes);
         [-p, q - mu * p, -q - mu * p, tau - m * p, -tau - m * p]
     }
 
     #[inline]
     fn strength(&self, q: usize) -> f64 {
-        self.strengths[q.div_ceil(2)]
+        self.local.strengths[q.div_ceil(2)]
     }
 
     /// Clamps forces to their limits, the normal force first.
     pub fn clamp(&self, s: &[f64; 3]) -> [f64; 3] {
-        let [f_t, ..] = self.strengths;
-        let mut p = s[0].max(-f_t);
-        for k in (0..2).filter(|k| self.slopes[*k] > 0.0) {
-            p = p.max(-self.strengths[k + 1] / self.slopes[k]);
+        let Local { has, slopes, strengths, .. } = &self.local;
+        let mut p = s[0].max(-strengths[0]);
+        for k in (0..2).filter(|k| slopes[*k] > 0.0) {
+            p = p.max(-strengths[k + 1] / slopes[k]);
         }
         let within = |k: usize| {
-            let most = (self.strengths[k + 1] + self.slopes[k] * p).max(0.0);
-            if self.on[2 * k + 1] { s[k + 1].clamp(-most, most) } else { 0.0 }
+            let most = (strengths[k + 1] + slopes[k] * p).max(0.0);
+            if has[k + 1] { s[k + 1].clamp(-most, most) } else { 0.0 }
         };
         [p, within(0), within(1)]
     }
 
+    /// Opening of the gap by slips and rotations of these magnitudes.
+    #[inline]
+    fn opening(&self, slip: f64, rotation: f64) -> f64 {
+        let [mu, m] = self.local.slopes;
+        self.dilation * (mu * slip + m * rotation)
+    }
+
     /// Slacks and multipliers near those of the forces and kinematics, with all products `product`.
     pub fn near(&self, s: [f64; 3], e: &[f64; 3], product: f64) -> Entry {
-        let [st, sr] = [1, 2].map(|f| e[f] - self.linear[f] - self.compliance[f] * s[f]);
-        let opening = self.slopes[0] * st.abs() + self.slopes[1] * sr.abs();
-        let sn = self.linear[0] + self.compliance[0] * s[0] - e[0] - self.dilation * opening;
+        let Local { linear, compliance, .. } = &self.local;
+        let [st, sr] = [1, 2].map(|f| e[f] - linear[f] - compliance[f] * s[f]);
+        let sn = linear[0] + compliance[0] * s[0] - e[0] - self.opening(st.abs(), sr.abs());
         let raw = [sn, st.max(0.0), (-st).max(0.0), sr.max(0.0), (-sr).max(0.0)];
         let taken = self.of_limits(&s);
-        let mut out = Entry { s, w: [1.0; LIMITS], l: [0.0; LIMITS] };
+        let mut out = Entry { s, w: [1.0; LIMITS], lambda: [0.0; LIMITS] };
         for q in self.each_limit() {
-            out.w[q] = slack(self.strength(q) - taken[q] - raw[q], product);
-            out.l[q] = product / out.w[q];
+            out.set(q, self.strength(q) - taken[q] - raw[q], product);
         }
         out
     }
@@ -119,11 +92,11 @@ impl Cell {
     /// Defects of the law at a point with kinematics `e`.
     #[inline]
     pub fn residual(&self, x: &Entry, e: &[f64; 3]) -> Entry {
-        let [n, plus, minus, roll_plus, roll_minus] = x.l;
-        let dilates = self.slopes[0] * (plus + minus) + self.slopes[1] * (roll_plus + roll_minus);
-        let elastic = [0, 1, 2].map(|f| self.linear[f] + self.compliance[f] * x.s[f] - e[f]);
+        let [n, plus, minus, roll_plus, roll_minus] = x.lambda;
+        let Local { linear, compliance, .. } = &self.local;
+        let elastic = [0, 1, 2].map(|f| linear[f] + compliance[f] * x.s[f] - e[f]);
         let s = [
-            elastic[0] - n - self.dilation * dilates,
+            elastic[0] - n - self.opening(plus + minus, roll_plus + roll_minus),
             elastic[1] + plus - minus,
             elastic[2] + roll_plus - roll_minus,
         ];
@@ -131,35 +104,36 @@ impl Cell {
         let taken = self.of_limits(&x.s);
         for q in self.each_limit() {
             r.w[q] = x.w[q] + taken[q] - self.strength(q);
-            r.l[q] = x.w[q] * x.l[q];
+            r.lambda[q] = x.w[q] * x.lambda[q];
         }
         r
     }
 
     /// Derivative of the forces by the kinematics at a point, with slacks and multipliers
-    /// eliminated.
+    /// eliminated, and with this part of the usual compliances added.
     #[inline]
-    pub fn linearise(&self, x: &Entry) -> Linear {
+    pub fn linearise(&self, x: &Entry, regularisation: f64) -> Linear {
+        let soft = self.usual.map(|c| regularisation * c);
         let mut theta = [0.0; LIMITS];
         for q in self.each_limit() {
-            theta[q] = x.l[q] / x.w[q];
+            theta[q] = x.lambda[q] / x.w[q];
         }
-        let a = self.dilation;
+        let (Local { has, slopes, .. }, a) = (&self.local, self.dilation);
         let mut own = [0.0; 3];
         let (mut left, mut right) = ([1.0, 0.0, 0.0], [1.0, 0.0, 0.0]);
-        let mut sum = self.compliance[0] + self.soft[0] + theta[0];
+        let mut sum = self.local.compliance[0] + soft[0] + theta[0];
         for (k, force) in [(0, 1), (1, 2)] {
-            if !self.on[2 * k + 1] {
+            if !has[force] {
                 continue;
             }
             let [plus, minus] = [theta[2 * k + 1], theta[2 * k + 2]];
-            let compliance = self.soft[force] + self.compliance[force];
+            let compliance = soft[force] + self.local.compliance[force];
             let flexibility = 1.0 / (compliance + plus + minus);
-            let lean = self.slopes[k] * (plus - minus) * flexibility;
+            let lean = slopes[k] * (plus - minus) * flexibility;
             own[force] = flexibility;
             left[force] = lean;
             right[force] = a * lean;
-            let square = self.slopes[k] * self.slopes[k];
+            let square = slopes[k] * slopes[k];
             sum += a * square * (4.0 * plus * minus + compliance * (plus + minus)) * flexibility;
         }
         let mut stiffness = [[0.0; 3]; 3];
@@ -178,10 +152,9 @@ impl Cell {
     fn asked(&self, x: &Entry, r: &Entry) -> ([f64; LIMITS], [f64; 3]) {
         let mut h = [0.0; LIMITS];
         for q in self.each_limit() {
-            h[q] = (x.l[q] * r.w[q] - r.l[q]) / x.w[q];
+            h[q] = (x.lambda[q] * r.w[q] - r.lambda[q]) / x.w[q];
         }
-        let dilates = self.slopes[0] * (h[1] + h[2]) + self.slopes[1] * (h[3] + h[4]);
-        let normal = -r.s[0] + h[0] + self.dilation * dilates;
+        let normal = -r.s[0] + h[0] + self.opening(h[1] + h[2], h[3] + h[4]);
         (h, [normal, -r.s[1] - h[1] + h[2], -r.s[2] - h[3] + h[4]])
     }
 
@@ -201,7 +174,7 @@ impl Cell {
         let mut out = Entry { s, ..Entry::default() };
         for q in self.each_limit() {
             out.w[q] = -r.w[q] - taken[q];
-            out.l[q] = h[q] + linear.theta[q] * taken[q];
+            out.lambda[q] = h[q] + linear.theta[q] * taken[q];
         }
         out
     }
@@ -216,29 +189,30 @@ pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::condensed::scaled::Arms;
 
     fn cell(dilation: f64) -> Cell {
-        Cell {
+        let local = Local {
             arms: Arms { bodies: [0, 1], rows: [[[0.0; 3]; 3]; 2] },
+            has: [true; 3],
+            has_tension: false,
             compliance: [0.3, 0.7, 0.45],
             linear: [0.2, -0.1, 0.4],
             slopes: [0.6, 0.25],
             strengths: [0.5, 1.5, 0.8],
-            on: [true; LIMITS],
-            dilation,
-            soft: [0.0; 3],
-        }
+        };
+        Cell { local, dilation, usual: [0.0; 3] }
     }
 
     /// The residual as one row, of a point and kinematics as one row.
     fn residual(cell: &Cell, z: &[f64; 16]) -> [f64; 13] {
         let part = |from: usize| std::array::from_fn(|k| z[from + k]);
-        let x = Entry { s: [z[0], z[1], z[2]], w: part(3), l: part(8) };
+        let x = Entry { s: [z[0], z[1], z[2]], w: part(3), lambda: part(8) };
         let r = cell.residual(&x, &[z[13], z[14], z[15]]);
         let mut out = [0.0; 13];
         out[..3].copy_from_slice(&r.s);
         out[3..8].copy_from_slice(&r.w);
-        out[8..].copy_from_slice(&r.l);
+        out[8..].copy_from_slice(&r.lambda);
         out
     }
 
@@ -250,11 +224,11 @@ mod tests {
             let x = Entry {
                 s: [2.0, -0.9, 0.3],
                 w: [1.1, 0.3, 2.4, 0.7, 0.2],
-                l: [0.05, 1.3, 0.02, 0.4, 0.9],
+                lambda: [0.05, 1.3, 0.02, 0.4, 0.9],
             };
             let e = [0.15, -0.6, 0.35];
             let motion = [0.02, -0.05, 0.07];
-            let linear = cell.linearise(&x);
+            let linear = cell.linearise(&x, 0.0);
             let r = cell.residual(&x, &e);
             let step = cell.step(&linear, &x, &r, &motion);
 
@@ -262,8 +236,8 @@ mod tests {
                 let all = s.iter().chain(w).chain(l).chain(e);
                 all.copied().collect::<Vec<_>>().try_into().unwrap()
             };
-            let at = row(&x.s, &x.w, &x.l, &e);
-            let along = row(&step.s, &step.w, &step.l, &motion);
+            let at = row(&x.s, &x.w, &x.lambda, &e);
+            let along = row(&step.s, &step.w, &step.lambda, &motion);
             // The residual is quadratic: central differences of it are exact but for round-off.
             let h = 1e-3;
             let moved = |sign: f64| std::array::from_fn(|k| at[k] + sign * h * along[k]);
@@ -282,10 +256,10 @@ mod tests {
         let x = Entry {
             s: [2.0, -0.9, 0.3],
             w: [1.1, 0.3, 2.4, 0.7, 0.2],
-            l: [0.05, 1.3, 0.02, 0.4, 0.9],
+            lambda: [0.05, 1.3, 0.02, 0.4, 0.9],
         };
         let asymmetry = |dilation: f64| {
-            let k = cell(dilation).linearise(&x).stiffness;
+            let k = cell(dilation).linearise(&x, 0.0).stiffness;
             (0..3)
                 .flat_map(|f| (0..3).map(move |g| (f, g)))
                 .map(|(f, g)| (k[f][g] - k[g][f]).abs())

@@ -14,7 +14,7 @@ pub fn iterate(
     max: u32,
     trial: &mut Trial,
 ) {
-    system.regularise(settings.regularisation);
+    system.regularisation = settings.regularisation;
     let mut last = 1.0;
     let mut short = 0;
     let mut residuals = Vec::new();
@@ -47,7 +47,7 @@ pub fn iterate(
         let mut aimed = r;
         for ((r, d), cell) in aimed.cells.iter_mut().zip(&predictor.cells).zip(&system.cells) {
             for q in cell.each_limit() {
-                r.l[q] += d.w[q] * d.l[q] - target;
+                r.lambda[q] += d.w[q] * d.lambda[q] - target;
             }
         }
         let step = system.solve(&z, &aimed);

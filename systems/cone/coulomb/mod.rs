@@ -23,7 +23,7 @@ use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 
 pub use self::settings::{ArcSettings, CoulombInteriorSettings, CoulombSettings};
 use self::system::System;
-use super::condensed::matrix::{Kept, Lu};
+use super::condensed::matrix::UnsymmetricMatrix;
 use super::condensed::settings::DEFAULT_RESIDUAL;
 use super::condensed::{sleeping, sweeps};
 use super::residuals::{applied_force, choose_displacements, min_force, natural_map};
@@ -31,31 +31,19 @@ use super::residuals::{applied_force, choose_displacements, min_force, natural_m
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
 pub struct Goal {
-    tolerance: f64,
-    /// Whether the first point within the tolerance suffices.
-    at_once: bool,
-}
-
-impl Goal {
-    /// A residual within the tolerance, from where the iteration goes on while it gains much: a
-    /// product within the tolerance leaves its square root in the forces.
-    #[must_use]
-    pub fn exact(tolerance: f64) -> Self {
-        Self { tolerance, at_once: false }
-    }
-
-    /// The first point with a residual within the tolerance.
-    #[must_use]
-    pub fn enough(tolerance: f64) -> Self {
-        Self { tolerance, at_once: true }
-    }
+    /// Maximum residual.
+    pub tolerance: f64,
+    /// Whether the first point within the tolerance suffices. If not, the iteration goes on from
+    /// there while it gains much: a product within the tolerance leaves its square root in the
+    /// forces.
+    pub at_once: bool,
 }
 
 /// The solver of Coulomb's law. It keeps the pattern of its matrix between calls.
 #[derive(Default)]
 pub struct Coulomb {
     settings: CoulombSettings,
-    matrix: Kept<Lu>,
+    matrix: UnsymmetricMatrix,
 }
 
 impl Coulomb {
@@ -91,8 +79,8 @@ impl Coulomb {
 
     /// Solves a program under Coulomb's law from a solution under the associated law, or from forces of
     /// Coulomb's law, those of the last solution or after [sweeps](Self::sweep), in at most `max`
-    /// factorisations. The result is solved if its
-    /// residual is within the tolerance of the goal, otherwise the best point on the way, stalled.
+    /// factorisations. The result is solved if its residual is within the tolerance of the goal,
+    /// otherwise the best point on the way, stalled.
     pub fn solve(
         &mut self,
         program: &ConeProgram,
@@ -102,7 +90,7 @@ impl Coulomb {
     ) -> ConeSolution {
         let settings = self.settings;
         let mut trial = Trial::new(program, start, &settings, goal);
-        trial.offer(&start.forces, &start.displacements);
+        trial.offer(start.forces.clone(), start.displacements.clone());
         let is_associated = program.interactions.iter().all(|c| c.limits.has_strength());
         // The associated solution is exact, and nothing slides where it solves Coulomb's law.
         let is_of_law = start.law == SlidingLaw::Coulomb;
@@ -110,21 +98,21 @@ impl Coulomb {
         if is_associated || is_found {
             return trial.into_solution(0);
         }
-        let matrix = self.matrix.of(program);
         // The force scale of the program may be far above its forces.
         let mut scaled = program.clone();
         scaled.scales.force = unit_of_force(program, start);
-        let mut system = System::new(&scaled, matrix, &settings);
+        let mut system = System::new(&scaled, &mut self.matrix, &settings);
         let (du, df) = system.units;
         let of = |u: &[f64; 3], d: &[f64; 3]| [0, 1, 2].map(|k| u[k] / d[k]);
-        let u: Vec<_> = system.order.iter().map(|i| of(&start.displacements[*i], &du)).collect();
+        let u: Vec<_> =
+            system.matrix.order().iter().map(|i| of(&start.displacements[*i], &du)).collect();
         let s: Vec<_> = start.forces.iter().map(|f| of(f, &df)).collect();
         let product = if is_of_law { settings.share * trial.worst } else { settings.product };
         let z = system.near(&u, &s, product);
         let first = max.min(settings.max_iterations);
         interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
         for product in settings.arc_products {
-            let left = max - system.factorisations.min(max);
+            let left = max.saturating_sub(system.factorisations);
             if trial.is_solved() || left == 0 {
                 break;
             }
@@ -134,7 +122,7 @@ impl Coulomb {
             if let Some(z) = end.filter(|_| trial.is_solved() && !goal.at_once) {
                 let (u, s) = (&z.u, z.cells.iter().map(|x| x.s).collect::<Vec<_>>());
                 let z = system.near(u, &s, settings.share * goal.tolerance);
-                let left = (max - system.factorisations.min(max)).min(settings.max_sharpening);
+                let left = max.saturating_sub(system.factorisations).min(settings.max_sharpening);
                 interior::iterate(&mut system, z, &settings.interior, left, &mut trial);
             }
         }
@@ -199,25 +187,19 @@ impl<'a> Trial<'a> {
         let (du, df) = system.units;
         // Imposed displacements are exact, without round-off of the units.
         let mut displacements = self.program.imposed();
-        for ((u, free), &i) in z.u.iter().zip(&system.program.free).zip(&system.order) {
-            for k in (0..3).filter(|k| free[*k]) {
-                displacements[i][k] = u[k] * du[k];
-            }
+        for (i, k) in system.program.all_free() {
+            displacements[system.matrix.order()[i]][k] = z.u[i][k] * du[k];
         }
         let cells = system.cells.iter().zip(&z.cells);
         let clamped = cells.map(|(cell, x)| cell.clamp(&x.s));
-        let forces: Vec<_> = clamped.map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
-        self.offer(&forces, &displacements)
+        let forces = clamped.map(|s| [0, 1, 2].map(|f| s[f] * df[f])).collect();
+        self.offer(forces, displacements)
     }
 
     /// Evaluates forces, N, and displacements, m; whether they are a solution.
-    fn offer(&mut self, forces: &[[f64; 3]], displacements: &[[f64; 3]]) -> bool {
-        let mut solution = ConeSolution {
-            law: SlidingLaw::Coulomb,
-            forces: forces.to_vec(),
-            displacements: displacements.to_vec(),
-            ..ConeSolution::default()
-        };
+    fn offer(&mut self, forces: Vec<[f64; 3]>, displacements: Vec<[f64; 3]>) -> bool {
+        let law = SlidingLaw::Coulomb;
+        let mut solution = ConeSolution { law, forces, displacements, ..Default::default() };
         let r = choose_displacements(self.program, &mut solution, self.goal.tolerance).worst();
         self.residuals = [self.residuals[1], r];
         if r < self.worst {

@@ -1,11 +1,11 @@
 //! The complementarity system of all interactions and bodies, its residual, and linear solves with
 //! its derivative.
 
-use crate::program::ConeProgram;
+use crate::program::{ConeProgram, Interaction, SlidingLaw};
 
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
-use super::super::condensed::scaled::Scaled;
+use super::super::condensed::scaled::{Local, Scaled, add_times};
 use super::cell::{Cell, Entry, Linear, times};
 use super::settings::CoulombSettings;
 
@@ -25,16 +25,11 @@ impl Vector {
 
     /// Adds `factor` times another vector.
     pub fn add(&mut self, factor: f64, other: &Self) {
-        let add = |x: &mut [f64], y: &[f64]| {
-            for (x, y) in x.iter_mut().zip(y) {
-                *x += factor * y;
-            }
-        };
-        add(self.u.as_flattened_mut(), other.u.as_flattened());
+        add_times(self.u.as_flattened_mut(), factor, other.u.as_flattened());
         for (x, y) in self.cells.iter_mut().zip(&other.cells) {
-            add(&mut x.s, &y.s);
-            add(&mut x.w, &y.w);
-            add(&mut x.l, &y.l);
+            add_times(&mut x.s, factor, &y.s);
+            add_times(&mut x.w, factor, &y.w);
+            add_times(&mut x.lambda, factor, &y.lambda);
         }
     }
 }
@@ -45,16 +40,14 @@ pub struct System<'a> {
     pub cells: Vec<Cell>,
     /// Units of the displacements and of the forces.
     pub units: ([f64; 3], [f64; 3]),
-    /// Bodies in the order of elimination.
-    pub order: Vec<usize>,
     pub matrix: &'a mut UnsymmetricMatrix,
     /// Number of limits.
     pub limits: f64,
     /// Factorisations so far.
     pub factorisations: u32,
+    /// Regularisation of the matrix, as a part of the usual compliances.
+    pub regularisation: f64,
     linear: Vec<Linear>,
-    /// Usual compliances of every interaction, by which a regularisation is multiplied.
-    soft: Vec<[f64; 3]>,
     refined: f64,
 }
 
@@ -66,39 +59,29 @@ impl<'a> System<'a> {
         settings: &CoulombSettings,
     ) -> Self {
         let scaled = matrix.pose(program);
-        let both = scaled.locals.iter().zip(&program.interactions);
-        let cells: Vec<Cell> = both.map(|(local, c)| Cell::new(local, c)).collect();
-        let compliance = typical_compliance(&cells);
+        let typical = typical_compliance(&scaled.locals);
         let damped = program.is_damped();
-        let soft = cells
-            .iter()
-            .map(|cell| {
-                if damped {
-                    of_weights(cell, &scaled)
-                } else {
-                    let own = cell.compliance[0];
-                    [if own > 0.0 { own } else { compliance }; 3]
-                }
-            })
-            .collect();
+        let usual = |local: &Local| match local.compliance[0] {
+            _ if damped => of_weights(local, &scaled),
+            own if own > 0.0 => [own; 3],
+            _ => [typical; 3],
+        };
+        let cell = |(local, c): (&Local, &Interaction)| Cell {
+            local: local.clone(),
+            dilation: SlidingLaw::Coulomb.dilation(c),
+            usual: usual(local),
+        };
+        let cells: Vec<Cell> = scaled.locals.iter().zip(&program.interactions).map(cell).collect();
         Self {
             limits: cells.iter().flat_map(Cell::each_limit).count().max(1) as f64,
             linear: vec![Linear::default(); cells.len()],
             program: scaled,
             cells,
             units: program.scales.units(),
-            order: matrix.order().to_vec(),
             matrix,
             factorisations: 0,
-            soft,
+            regularisation: 0.0,
             refined: settings.refined,
-        }
-    }
-
-    /// Sets the regularisation of the matrix, as a part of the usual compliances.
-    pub fn regularise(&mut self, part: f64) {
-        for (cell, soft) in self.cells.iter_mut().zip(&self.soft) {
-            cell.soft = soft.map(|c| part * c);
         }
     }
 
@@ -106,7 +89,7 @@ impl<'a> System<'a> {
     pub fn along(&self, z: &Vector, step: &Vector) -> impl Iterator<Item = [(f64, f64); 2]> {
         let entries = z.cells.iter().zip(&step.cells);
         self.cells.iter().zip(entries).flat_map(|(cell, (x, d))| {
-            cell.each_limit().map(move |q| [(x.w[q], d.w[q]), (x.l[q], d.l[q])])
+            cell.each_limit().map(move |q| [(x.w[q], d.w[q]), (x.lambda[q], d.lambda[q])])
         })
     }
 
@@ -115,7 +98,7 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(s);
         let mut u = u[..self.program.free.len()].to_vec();
         self.program.images.extend(&mut u);
-        let cells = cells.map(|(cell, s)| cell.near(*s, &cell.arms.kinematics(&u), product));
+        let cells = cells.map(|(cell, s)| cell.near(*s, &cell.local.arms.kinematics(&u), product));
         Vector { cells: cells.collect(), u }
     }
 
@@ -124,8 +107,8 @@ impl<'a> System<'a> {
         let mut out = Vector::zeros(z);
         self.program.balance_of_bodies(&z.u, &mut out.u);
         for ((cell, x), r) in self.cells.iter().zip(&z.cells).zip(&mut out.cells) {
-            cell.arms.add_forces(&x.s, 1.0, &mut out.u);
-            *r = cell.residual(x, &cell.arms.kinematics(&z.u));
+            cell.local.arms.add_forces(&x.s, 1.0, &mut out.u);
+            *r = cell.residual(x, &cell.local.arms.kinematics(&z.u));
         }
         self.program.images.fold(&mut out.u);
         out
@@ -139,8 +122,8 @@ impl<'a> System<'a> {
         values.add_weights(&self.program, 0.0);
         let cells = self.cells.iter().zip(&z.cells).zip(&mut self.linear);
         for (k, ((cell, x), linear)) in cells.enumerate() {
-            *linear = cell.linearise(x);
-            values.add(k, &cell.arms.rows, &linear.stiffness);
+            *linear = cell.linearise(x, self.regularisation);
+            values.add(k, &cell.local.arms.rows, &linear.stiffness);
         }
         self.factorisations += 1;
         self.matrix.factorise()
@@ -152,16 +135,16 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
         for ((cell, linear), (x, r)) in cells {
             let s = cell.forces_at_rest(linear, x, r);
-            cell.arms.add_forces(&s, -1.0, &mut right);
+            cell.local.arms.add_forces(&s, -1.0, &mut right);
         }
         self.program.images.fold(&mut right);
         self.program.clear_fixed(&mut right);
         let du = self.solve_bodies(right);
         let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
-        let cells = cells
-            .map(|((cell, linear), (x, r))| cell.step(linear, x, r, &cell.arms.kinematics(&du)))
-            .collect();
-        Vector { u: du, cells }
+        let kinematics = |cell: &Cell| cell.local.arms.kinematics(&du);
+        let cells =
+            cells.map(|((cell, linear), (x, r))| cell.step(linear, x, r, &kinematics(cell)));
+        Vector { cells: cells.collect(), u: du }
     }
 
     /// Solves the condensed system, with refinement.
@@ -178,8 +161,8 @@ impl<'a> System<'a> {
                 }
             }
             for (cell, linear) in cells.iter().zip(&*linear) {
-                let s = times(&linear.stiffness, &cell.arms.kinematics(x));
-                cell.arms.add_forces(&s, -1.0, defect);
+                let s = times(&linear.stiffness, &cell.local.arms.kinematics(x));
+                cell.local.arms.add_forces(&s, -1.0, defect);
             }
         };
         matrix.refine(*refined * scale, &mut x, &mut right.clone(), set);
@@ -188,17 +171,16 @@ impl<'a> System<'a> {
 }
 
 /// Median of the normal compliances above 0; 1 if all are rigid.
-fn typical_compliance(cells: &[Cell]) -> f64 {
-    let mut all: Vec<f64> =
-        cells.iter().map(|cell| cell.compliance[0]).filter(|c| *c > 0.0).collect();
+fn typical_compliance(locals: &[Local]) -> f64 {
+    let mut all: Vec<f64> = locals.iter().map(|l| l.compliance[0]).filter(|c| *c > 0.0).collect();
     all.sort_unstable_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(1.0)
 }
 
 /// Compliance that the weights of its bodies give an interaction: the diagonal of `G' M^-1 G`.
-fn of_weights(cell: &Cell, program: &Scaled) -> [f64; 3] {
+fn of_weights(local: &Local, program: &Scaled) -> [f64; 3] {
     let mut out = [0.0; 3];
-    for (rows, body) in cell.arms.rows.iter().zip(cell.arms.bodies) {
+    for (rows, body) in local.arms.rows.iter().zip(local.arms.bodies) {
         let body = program.images.body(body as usize);
         for (row, weight) in rows.iter().zip(program.weight[body]) {
             if weight > 0.0 {

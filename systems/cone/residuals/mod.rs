@@ -17,6 +17,7 @@
 
 mod units;
 
+use self::units::larger;
 pub(crate) use self::units::{Units, applied_force, min_force};
 pub use self::units::{displacement_scale, force_scale};
 use crate::program::{
@@ -113,30 +114,30 @@ pub(crate) fn settle(program: &ConeProgram, solution: &mut ConeSolution, toleran
 }
 
 fn evaluate(program: &ConeProgram, solution: &ConeSolution, regularisation: f64) -> Residuals {
-    let mut out = Residuals::default();
-    each(program, solution, regularisation, |_, raise| raise(&mut out));
-    out
+    let all = each(program, solution, regularisation);
+    all.fold(Residuals::default(), |worst, (_, own)| larger(worst, own))
 }
 
-/// Calls a function for the balance of every body, which comes twice, and for every interaction with
-/// its two bodies, and with what raises residuals to those.
+/// The residuals of the balance of every body, which comes twice, and of every interaction with its
+/// two bodies.
 fn each(
     program: &ConeProgram,
     solution: &ConeSolution,
     regularisation: f64,
-    mut f: impl FnMut([usize; 2], &dyn Fn(&mut Residuals)),
-) {
+) -> impl Iterator<Item = ([usize; 2], Residuals)> {
     let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(forces, &mut rows);
-    for (i, ((body, row), u)) in program.bodies.iter().zip(&rows).zip(displacements).enumerate() {
-        f([i, i], &|out| units.of_balance(body, row, u, regularisation, out));
-    }
-    for (c, s) in program.interactions.iter().zip(forces) {
+    let bodies = program.bodies.iter().zip(rows).zip(displacements).enumerate();
+    let of_bodies = bodies.map(move |(i, ((body, row), u))| {
+        ([i, i], units.of_balance(body, &row, u, regularisation))
+    });
+    let interactions = program.interactions.iter().zip(forces);
+    of_bodies.chain(interactions.map(move |(c, f)| {
         let e = program.kinematics(c, displacements);
-        f([c.a as usize, c.b as usize], &|out| units.of_interaction(*law, c, &e, s, out));
-    }
+        ([c.a as usize, c.b as usize], units.of_interaction(*law, c, &e, f))
+    }))
 }
 
 /// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
@@ -148,15 +149,8 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
     if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
         return None;
     }
-    let mut worst: Option<(f64, [usize; 2])> = None;
-    each(program, solution, 0.0, |bodies, raise| {
-        let mut own = Residuals::default();
-        raise(&mut own);
-        if worst.is_none_or(|(most, _)| own.worst().total_cmp(&most).is_ge()) {
-            worst = Some((own.worst(), bodies));
-        }
-    });
-    worst.map(|(_, bodies)| bodies)
+    let all = each(program, solution, 0.0).map(|(bodies, own)| (bodies, own.worst()));
+    all.max_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(bodies, _)| bodies)
 }
 
 /// Maximum of the natural map of the contacts without strength, without dimension. With P, Q, T the

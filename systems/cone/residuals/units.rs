@@ -127,33 +127,33 @@ impl Units {
         if c.normal_compliance == 0.0 { self.rigid } else { self.displacement }
     }
 
-    /// Raises the residual of the balance to that of a body; `row` is the force of its
-    /// interactions.
+    /// The residual of the balance of a body; `row` is the force of its interactions.
     pub(crate) fn of_balance(
         &self,
         body: &ProgramBody,
         row: &[f64; 3],
         u: &[f64; 3],
         regularisation: f64,
-        out: &mut Residuals,
-    ) {
+    ) -> Residuals {
+        let mut out = Residuals::default();
         for (k, f) in body.free() {
             let pull = regularisation * f.proximal * (u[k] - f.reference);
             let defect = f.inertia * u[k] + pull + row[k] - f.load;
             let unit = if k < 2 { self.force } else { self.force * self.length };
             worsen(&mut out.balance, defect.abs() / unit);
         }
+        out
     }
 
-    /// Raises the other residuals to those of an interaction.
+    /// The other residuals of an interaction.
     pub(crate) fn of_interaction(
         &self,
         law: SlidingLaw,
         c: &Interaction,
         e: &Kinematics,
         f: &[f64; 3],
-        out: &mut Residuals,
-    ) {
+    ) -> Residuals {
+        let mut out = Residuals::default();
         let Units { force, length, .. } = *self;
         let displacement = self.displacement_of(c);
         let mut m = multipliers(law, c, e, f);
@@ -185,16 +185,24 @@ impl Units {
             if is_far(slack, length) {
                 worsen(&mut out.kinematics, (multiplier * length).abs() / displacement);
             } else {
-                worsen(
-                    &mut out.complementarity,
-                    (multiplier * slack).abs() / (force * displacement),
-                );
+                let product = (multiplier * slack).abs();
+                worsen(&mut out.complementarity, product / (force * displacement));
             }
         };
         product(m.tension.max(0.0), p - l.min_normal_force(), 1.0);
         product(m.slip, slacks[0], 1.0);
         product(m.rotation, slacks[1], length);
+        out
     }
+}
+
+/// The larger one of each residual; NaN stays NaN.
+pub(super) fn larger(mut all: Residuals, other: Residuals) -> Residuals {
+    worsen(&mut all.balance, other.balance);
+    worsen(&mut all.kinematics, other.kinematics);
+    worsen(&mut all.cone, other.cone);
+    worsen(&mut all.complementarity, other.complementarity);
+    all
 }
 
 /// Raises a residual to a value; NaN stays NaN.

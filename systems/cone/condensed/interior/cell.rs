@@ -7,7 +7,7 @@
 use std::ops::Add;
 
 use super::super::matrix::{Assembly, Cholesky};
-use super::super::scaled::{Kind, Local, ROWS, first};
+use super::super::scaled::{Local, ROWS, add_times, first};
 use super::super::settings::InteriorSettings;
 use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
@@ -33,18 +33,28 @@ pub struct Cell<const F: usize, const Q: usize> {
     step: Variables<F, Q>,
 }
 
-/// Interactions, by their kind.
+/// Interactions, by their forces and limits: the inner loops are compiled for each kind.
 #[derive(Default)]
 pub struct Cells {
+    /// p alone, with the limit of tension.
     pub normal: Vec<Cell<1, 1>>,
+    /// p and q, with two limits of shear.
     pub friction: Vec<Cell<2, 2>>,
+    /// p and q, with two limits of shear and that of tension.
     pub bond: Vec<Cell<2, 3>>,
+    /// p, q and tau, with two limits of shear and two of rolling.
     pub rolling: Vec<Cell<3, 4>>,
+    /// p and tau, with two limits of rolling; q is a dummy with a compliance and without load.
     pub wheel: Vec<Cell<3, 2>>,
 }
 
-/// Evaluates an expression for every interaction.
+/// Evaluates an expression for every interaction `of` cells, or `in` groups of cells.
 macro_rules! for_each {
+    ($cell:ident in $groups:expr => $what:expr) => {
+        for cells in $groups.all() {
+            for_each!($cell of cells => $what);
+        }
+    };
     ($cell:ident of $cells:expr => $what:expr) => {
         for_each!($cell of $cells => $what; normal friction bond rolling wheel)
     };
@@ -66,12 +76,15 @@ impl Cells {
         u: &[[f64; 3]],
         settings: &InteriorSettings,
     ) {
-        match local.kind {
-            Kind::Normal => self.normal.push(Cell::new(number, local, u, settings)),
-            Kind::Friction => self.friction.push(Cell::new(number, local, u, settings)),
-            Kind::Bond => self.bond.push(Cell::new(number, local, u, settings)),
-            Kind::Rolling => self.rolling.push(Cell::new(number, local, u, settings)),
-            Kind::Wheel => self.wheel.push(Cell::new(number, local, u, settings)),
+        let [_, shear, rolling] = local.has;
+        match (shear, rolling) {
+            (false, false) => self.normal.push(Cell::new(number, local, u, settings)),
+            (true, false) if local.has_tension => {
+                self.bond.push(Cell::new(number, local, u, settings));
+            }
+            (true, false) => self.friction.push(Cell::new(number, local, u, settings)),
+            (true, true) => self.rolling.push(Cell::new(number, local, u, settings)),
+            (false, true) => self.wheel.push(Cell::new(number, local, u, settings)),
         }
     }
 }
@@ -192,11 +205,10 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     fn new(number: usize, local: &Local, u: &[[f64; 3]], settings: &InteriorSettings) -> Self {
         let law = Law::<F, Q>::new(local);
         let e = law.arms.kinematics(u);
-        let mut trial = [0.0; F];
-        for f in (0..F).filter(|f| local.has[*f]) {
+        let trial: [f64; F] = std::array::from_fn(|f| {
             let c = local.compliance[f];
-            trial[f] = if c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 };
-        }
+            if local.has[f] && c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 }
+        });
         let mut x = Variables::default();
         // The trial clamped to the limits: normal force first, then the others with it.
         x.s[0] = trial[0].max(local.lowest());
@@ -217,8 +229,8 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         let product = settings.start * settings.start;
         for q in 0..Q {
             let left = law.right[q] - law.limit(q, &x.s);
-            let excess = local.compliance[0] * law.limit(q, &beyond);
-            let excess = if is_rigid { multiplier } else { excess };
+            let elastic = local.compliance[0] * law.limit(q, &beyond);
+            let excess = if is_rigid { multiplier } else { elastic };
             x.set(q, left.max(0.0) - excess.max(0.0), product);
         }
         Self {
@@ -270,13 +282,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// Makes `length` times the step, evaluates the residuals, and adds the forces to the balance.
     pub fn evaluate(&mut self, length: f64, u: &[[f64; 3]], balance: &mut Rows, size: &mut Sizes) {
         let Self { law, x: Variables { s, w, lambda }, step, .. } = self;
-        for f in 0..F {
-            s[f] += length * step.s[f];
-        }
-        for q in 0..Q {
-            w[q] += length * step.w[q];
-            lambda[q] += length * step.lambda[q];
-        }
+        add_times(s, length, &step.s);
+        add_times(w, length, &step.w);
+        add_times(lambda, length, &step.lambda);
         law.add_forces(s, 1.0, balance);
         let e = law.arms.kinematics(u);
         let mut r = [0.0; F];

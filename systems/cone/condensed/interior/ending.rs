@@ -1,9 +1,10 @@
 //! The best point so far, and what ends the method.
 
 use super::iteration::Iteration;
-use super::point::{End, Goal, Interior, Judge};
+use super::point::{Goal, Interior, Judge};
 use crate::condensed::scaled::Scaled;
 use crate::condensed::settings::InteriorSettings;
+use crate::program::SolveStatus;
 
 /// Residual of a point, over the goal, up to which every better point is judged. The method's
 /// residual is relative to the scales of the program, and the program's own may be far below it.
@@ -45,7 +46,11 @@ impl<'a> Ending<'a> {
     }
 
     /// Takes note of the current point. Returns how the method ends there; `None` if it goes on.
-    pub fn consider(&mut self, iteration: &mut Iteration, judge: &impl Judge) -> Option<End> {
+    pub fn consider(
+        &mut self,
+        iteration: &mut Iteration,
+        judge: &impl Judge,
+    ) -> Option<SolveStatus> {
         if !iteration.is_finite() {
             return Some(self.limit());
         }
@@ -62,7 +67,7 @@ impl<'a> Ending<'a> {
         }
         self.merits.push(self.best.merit);
         if self.solution.is_some() && (self.is_done(merit, is_slow) || self.idle >= MAX_IDLE) {
-            return Some(End::Solved);
+            return Some(SolveStatus::Solved);
         }
         if iteration.diverges()
             && let Some(end) = self.proved(iteration, judge)
@@ -90,29 +95,25 @@ impl<'a> Ending<'a> {
     }
 
     /// Whether the point or its last step is a proof that the program has no solution.
-    fn proved(&mut self, iteration: &mut Iteration, judge: &impl Judge) -> Option<End> {
-        for is_step in [false, true] {
-            if is_step && self.iterations == 0 {
-                break;
-            } else if is_step {
-                iteration.store_step(&mut self.proof);
-            } else {
-                iteration.store(&mut self.proof);
-            }
-            if judge.is_mechanism(&self.proof.u) {
-                return Some(End::Collapsed);
-            }
-            if judge.is_lock(&self.proof.s) {
-                return Some(End::Locked);
-            }
+    fn proved(&mut self, iteration: &mut Iteration, judge: &impl Judge) -> Option<SolveStatus> {
+        iteration.store(&mut self.proof);
+        let proof = judge.proof(&self.proof);
+        if proof.is_some() || self.iterations == 0 {
+            return proof;
         }
-        None
+        iteration.store_step(&mut self.proof);
+        judge.proof(&self.proof)
     }
 
     /// Decides of every limit whether it is active, where that leads to a solution. A product says
     /// little of a limit that is just reached: slack and multiplier are both its root. Returns how the
     /// method ends.
-    pub fn decide(&mut self, iteration: &mut Iteration, judge: &impl Judge, size: f64) -> End {
+    pub fn decide(
+        &mut self,
+        iteration: &mut Iteration,
+        judge: &impl Judge,
+        size: f64,
+    ) -> SolveStatus {
         // The method may have gone on to a worse point, or to none.
         if self.solution.is_none() || !(iteration.merit() <= self.best.merit) {
             iteration.restore(&self.best);
@@ -135,34 +136,33 @@ impl<'a> Ending<'a> {
         rest: f64,
     ) -> Option<Interior> {
         let mut point = self.best.clone();
-        for _ in 0..self.settings.max_decisions {
+        for left in (0..=self.settings.max_decisions).rev() {
             if iteration.undecided(small) == 0 {
                 iteration.store(&mut point);
                 if judge.is_solution(&point) {
                     return Some(point);
                 }
             }
-            if !iteration.decide(small, rest) {
-                return None;
+            if left == 0 || !iteration.decide(small, rest) {
+                break;
             }
             self.iterations += 1;
         }
-        iteration.store(&mut point);
-        (iteration.undecided(small) == 0 && judge.is_solution(&point)).then_some(point)
+        None
     }
 
     /// How the method ends where it cannot go on.
-    pub fn limit(&self) -> End {
-        if self.solution.is_some() { End::Solved } else { End::Limit }
+    pub fn limit(&self) -> SolveStatus {
+        if self.solution.is_some() { SolveStatus::Solved } else { SolveStatus::Stalled }
     }
 
     /// The point that belongs to an end.
-    pub fn into_point(self, end: End) -> Interior {
+    pub fn into_point(self, end: SolveStatus) -> Interior {
         let Self { best, solution, proof, iterations, .. } = self;
         let point = match end {
-            End::Solved => solution.unwrap_or(best),
-            End::Limit => best,
-            End::Collapsed | End::Locked => proof,
+            SolveStatus::Solved => solution.unwrap_or(best),
+            SolveStatus::Stalled => best,
+            SolveStatus::Collapsed | SolveStatus::Locked => proof,
         };
         Interior { iterations, ..point }
     }

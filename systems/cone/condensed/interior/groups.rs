@@ -47,9 +47,7 @@ impl Groups {
     /// Maximum normal force.
     pub fn max_force(&mut self) -> f64 {
         let mut maximum = 0.0_f64;
-        for cells in self.all() {
-            for_each!(cell of cells => maximum = maximum.max(cell.x.s[0].abs()));
-        }
+        for_each!(cell in self => maximum = maximum.max(cell.x.s[0].abs()));
         maximum
     }
 

@@ -7,7 +7,7 @@ use super::groups::Groups;
 use super::point::{Interior, Warm, max_magnitude, part_of_way};
 use crate::condensed::MIN_FORCE;
 use crate::condensed::matrix::BodyMatrix;
-use crate::condensed::scaled::{Local, Scaled};
+use crate::condensed::scaled::{Local, Scaled, add_times};
 use crate::condensed::settings::InteriorSettings;
 
 /// Minimum of k at the start, force times displacement: a start without products is no reason to
@@ -59,13 +59,11 @@ pub struct Iteration<'a> {
     length: f64,
     /// Out-of-balance forces by body.
     balance: Vec<[f64; 3]>,
-    /// Maximum out-of-balance force.
     unbalance: f64,
     /// Residuals of the interactions.
     sizes: Sizes,
     /// Residual of the duality gap.
     gap: f64,
-    /// Its round-off.
     gap_round_off: f64,
     /// Sum of the strengths of the limits, force.
     strengths: f64,
@@ -81,7 +79,6 @@ pub struct Iteration<'a> {
     /// Right side and solution of the whole step.
     right: Vec<[f64; 3]>,
     du: Vec<[f64; 3]>,
-    /// Defect of the solution.
     defect: Vec<[f64; 3]>,
 }
 
@@ -96,15 +93,12 @@ impl<'a> Iteration<'a> {
         warm: Option<Warm>,
         is_embedded: bool,
     ) -> Self {
-        let n = program.free.len();
         let mut u = program.with_known(start);
         let mut groups = Groups::new(program, matrix, &u, settings);
         if let Some(warm) = warm {
-            for cells in groups.all() {
-                for_each!(cell of cells => cell.warm(&u, warm));
-            }
+            for_each!(cell in groups => cell.warm(&u, warm));
         } else if groups.max_force() > settings.max_start_force || max_magnitude(&u) > MAX_START {
-            u = program.with_known(&vec![[0.0; 3]; n]);
+            u = program.with_known(&vec![[0.0; 3]; program.free.len()]);
             groups = Groups::new(program, matrix, &u, settings);
         }
         let limits = program.locals.iter().flat_map(Local::limits).count();
@@ -205,31 +199,23 @@ impl<'a> Iteration<'a> {
 
     /// Copies the point.
     pub fn store(&mut self, point: &mut Interior) {
-        point.u.clear();
-        point.u.extend_from_slice(&self.u[..self.program.free.len()]);
+        point.u.copy_from_slice(&self.u[..self.program.free.len()]);
         point.merit = self.merit();
-        for cells in self.groups.all() {
-            for_each!(cell of cells => cell.store(&mut point.s, &mut point.lambda));
-        }
+        for_each!(cell in self.groups => cell.store(&mut point.s, &mut point.lambda));
     }
 
     /// Goes back to an earlier point.
     pub fn restore(&mut self, point: &Interior) {
         self.u = self.program.with_known(&point.u);
         (self.is_embedded, self.tau, self.k) = (false, 1.0, 0.0);
-        for cells in self.groups.all() {
-            for_each!(cell of cells => cell.restore(&point.s, &point.lambda));
-        }
+        for_each!(cell in self.groups => cell.restore(&point.s, &point.lambda));
         self.update_residuals();
     }
 
     /// Copies the last step of the point, displacements and forces.
     pub fn store_step(&mut self, point: &mut Interior) {
-        point.u.clear();
-        point.u.extend_from_slice(&self.du[..self.program.free.len()]);
-        for cells in self.groups.all() {
-            for_each!(cell of cells => cell.store_steps(&mut point.s));
-        }
+        point.u.copy_from_slice(&self.du[..self.program.free.len()]);
+        for_each!(cell in self.groups => cell.store_steps(&mut point.s));
     }
 
     /// Assembles the condensed matrix, and the right sides of the two responses.
@@ -268,10 +254,9 @@ impl<'a> Iteration<'a> {
         if !self.is_embedded {
             // Both responses have the same factor: one solve serves their sum.
             let [of_residuals, of_products, _] = rights;
-            for (sum, of_products) in of_residuals.iter_mut().zip(of_products) {
-                for k in 0..3 {
-                    sum[k] += std::mem::take(&mut of_products[k]);
-                }
+            let of_products = of_products.as_flattened_mut();
+            for (sum, product) in of_residuals.as_flattened_mut().iter_mut().zip(of_products) {
+                *sum += std::mem::take(product);
             }
         }
         a.clone_from(&rights[0]);
@@ -312,7 +297,7 @@ impl<'a> Iteration<'a> {
     /// Looks ahead along the predictor, which takes all residuals and products away. Returns the
     /// product that the corrector aims at, `mu (mu_p/mu)^3` with mu the mean product now and mu_p
     /// that after the predictor (Mehrotra 1992), and the second-order product of tau and kappa.
-    pub fn predict(&mut self) -> (f64, f64) {
+    fn predict(&mut self) -> (f64, f64) {
         let rho = self.growth(self.k, 0.0);
         let dk = -self.k - self.k * rho;
         let Self { groups, responses: [a, ..], is_embedded, .. } = self;
@@ -332,7 +317,8 @@ impl<'a> Iteration<'a> {
 
     /// Solves for the corrector, and moves the point along the whole step, up to a part of the
     /// distance to the boundary. Returns whether the step is a number.
-    pub fn correct(&mut self, target: f64, of_tau: f64) -> bool {
+    pub fn correct(&mut self) -> bool {
+        let (target, of_tau) = self.predict();
         let right = &mut self.rights[2];
         right.fill([0.0; 3]);
         self.groups.scatter(right, |cells, right| {
@@ -344,20 +330,15 @@ impl<'a> Iteration<'a> {
         self.matrix.solve(corrector);
         let (rho, dk) = self.step_of_tau(target, of_tau);
         let parts = [1.0 + rho, 1.0 + 2.0 * rho];
-        let sum = |of: &[Vec<[f64; 3]>; 3], to: &mut [[f64; 3]]| {
+        let sum = |[a, b, c]: &[Vec<[f64; 3]>; 3], to: &mut [[f64; 3]]| {
             for (i, to) in to.iter_mut().enumerate() {
-                for k in 0..3 {
-                    to[k] = parts[0] * of[0][i][k] + parts[1] * of[1][i][k] + of[2][i][k];
-                }
+                *to = [0, 1, 2].map(|k| parts[0] * a[i][k] + parts[1] * b[i][k] + c[i][k]);
             }
         };
         sum(&self.rights, &mut self.right);
         sum(&self.responses, &mut self.du);
         self.refine();
-        let Self { groups, du, .. } = self;
-        let mut ahead = groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, parts, rho, ahead));
-        });
+        let mut ahead = self.set_step(parts, rho);
         if self.is_embedded {
             ahead.take(1.0, self.k, rho, dk);
         }
@@ -376,27 +357,29 @@ impl<'a> Iteration<'a> {
     /// `rest` for both where they are equal. Then makes a whole Newton step, whatever it violates.
     /// Returns whether the point is a number.
     pub fn decide(&mut self, size: f64, rest: f64) -> bool {
-        for cells in self.groups.all() {
-            for_each!(cell of cells => cell.decide(size, rest * rest));
-        }
+        // No proof is sought any more.
+        self.is_embedded = false;
+        for_each!(cell in self.groups => cell.decide(size, rest * rest));
         self.update_residuals();
         self.assemble();
-        let [of_residuals, of_products, _] = &self.rights;
-        for (right, (r, p)) in self.right.iter_mut().zip(of_residuals.iter().zip(of_products)) {
-            *right = std::array::from_fn(|k| r[k] + p[k]);
-        }
-        self.du.clone_from(&self.right);
-        if !self.matrix.factorise_shifted_and_solve(&mut self.du) {
+        if !self.respond() {
             return false;
         }
+        self.right.clone_from(&self.rights[0]);
+        self.du.clone_from(&self.responses[0]);
         self.refine();
-        let Self { groups, du, .. } = self;
-        groups.sum(Ahead::default(), |cells, ahead| {
-            for_each!(cell of cells => cell.set_step(du, [1.0; 2], 0.0, ahead));
-        });
+        self.set_step([1.0; 2], 0.0);
         let is_finite = self.make_step(1.0, 0.0, 0.0);
         self.update_residuals();
         is_finite && self.is_finite()
+    }
+
+    /// Computes the whole step of the interactions from that of the bodies.
+    fn set_step(&mut self, parts: [f64; 2], rho: f64) -> Ahead {
+        let Self { groups, du, .. } = self;
+        groups.sum(Ahead::default(), |cells, ahead| {
+            for_each!(cell of cells => cell.set_step(du, parts, rho, ahead));
+        })
     }
 
     /// The steps of tau, over tau, and of k that belong to the corrector.
@@ -414,7 +397,6 @@ impl<'a> Iteration<'a> {
         (rho, -of_kappa - self.k * rho)
     }
 
-    /// Moves the point.
     fn make_step(&mut self, to_boundary: f64, rho: f64, dk: f64) -> bool {
         let part = part_of_way(self.mu * self.tau * self.tau);
         // A step onto the boundary, tau = 0, is as short of it as one that would cross it.
@@ -422,11 +404,7 @@ impl<'a> Iteration<'a> {
         let step = if reaches { to_boundary * part } else { 1.0 };
         let growth = 1.0 + step * rho;
         self.length = step / growth;
-        for (u, du) in self.u.iter_mut().zip(&self.du) {
-            for k in 0..3 {
-                u[k] += self.length * du[k];
-            }
-        }
+        add_times(self.u.as_flattened_mut(), self.length, self.du.as_flattened());
         self.program.images.spread(&mut self.u);
         self.tau *= growth;
         self.k = (self.k + step * dk) / growth;
@@ -437,15 +415,10 @@ impl<'a> Iteration<'a> {
     fn refine(&mut self) {
         let force = self.force();
         let Self { program, matrix, groups, proximal, right, du, defect, .. } = self;
-        let n = program.free.len();
         let set = |du: &[[f64; 3]], defect: &mut [[f64; 3]]| {
-            defect[n..].fill([0.0; 3]);
-            for (i, defect) in defect[..n].iter_mut().enumerate() {
-                for k in 0..3 {
-                    let weight = program.weight[i][k] + *proximal;
-                    let is_free = program.free[i][k];
-                    defect[k] = if is_free { right[i][k] - weight * du[i][k] } else { 0.0 };
-                }
+            defect.fill([0.0; 3]);
+            for (i, k) in program.all_free() {
+                defect[i][k] = right[i][k] - (program.weight[i][k] + *proximal) * du[i][k];
             }
             groups.scatter(defect, |cells, defect| {
                 for_each!(cell of cells => cell.take_away(du, defect));
@@ -458,8 +431,8 @@ impl<'a> Iteration<'a> {
 /// Minimum compliance of an interaction in a step, displacement over force. It bounds the stiffnesses
 /// of the matrix, whose round-off must stay below the weakest stiffness that holds a body.
 fn min_compliance(program: &Scaled, settings: &InteriorSettings) -> f64 {
-    let free = program.free.iter().flatten().zip(program.weight.iter().flatten());
-    let weakest = free.filter(|(free, _)| **free).map(|(_, w)| *w).fold(f64::INFINITY, f64::min);
+    let weights = program.all_free().map(|(i, k)| program.weight[i][k]);
+    let weakest = weights.fold(f64::INFINITY, f64::min);
     let [lower, upper] = settings.min_compliance;
     (MATRIX_ROUND_OFF / weakest.max(settings.min_proximal)).clamp(lower, upper)
 }

@@ -44,11 +44,8 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
             return -s[0];
         }
         let x = s[Self::force(q / 2)];
-        if q.is_multiple_of(2) {
-            x - self.slopes[q / 2] * s[0]
-        } else {
-            -x - self.slopes[q / 2] * s[0]
-        }
+        let x = if q.is_multiple_of(2) { x } else { -x };
+        x - self.slopes[q / 2] * s[0]
     }
 
     pub fn new(local: &Local) -> Self {

@@ -43,16 +43,6 @@
 //! x the slack less the multiplier, slack and multiplier become the positive and the negative part of
 //! x, and the step takes the residuals that this leaves, without regard to the boundary. They use the
 //! same elimination and factorisation as an iteration.
-//!
-//! | file | what |
-//! |---|---|
-//! | `point` | a point, where the method starts, and what judges it |
-//! | `iteration` | the current point, and the steps that make an iteration |
-//! | `ending` | the best point so far, and what ends the method |
-//! | `groups` | the interactions by branches of the matrix |
-//! | `cell` | one interaction |
-//! | `law` | its limits, their slacks and multipliers |
-//! | `local_system` | its elimination |
 
 mod cell;
 mod ending;
@@ -64,14 +54,16 @@ mod point;
 
 use self::ending::Ending;
 use self::iteration::Iteration;
-pub use self::point::{End, Goal, Interior, Judge, Warm, max_magnitude, part_of_way, slack};
+pub(crate) use self::law::Variables;
+pub use self::point::{Goal, Interior, Judge, Warm, max_magnitude, part_of_way};
 use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
 use super::settings::InteriorSettings;
+use crate::program::SolveStatus;
 
 /// Runs the method from displacements and forces, without forces from the elastic trial at the
 /// displacements, until the judge accepts a point near the goal or a proof, or the residual no
-/// longer falls.
+/// longer falls: the end is then stalled, and the point the best one.
 #[must_use]
 pub fn solve(
     program: &Scaled,
@@ -81,27 +73,24 @@ pub fn solve(
     settings: &InteriorSettings,
     goal: Goal,
     judge: &impl Judge,
-) -> (End, Interior) {
-    let is_embedded = judge.seeks_proofs();
-    let mut iteration = Iteration::new(program, matrix, settings, start, warm, is_embedded);
+) -> (SolveStatus, Interior) {
+    let mut iteration = Iteration::new(program, matrix, settings, start, warm, goal.seeks_proofs);
     let mut ending = Ending::new(program, settings, goal);
     let end = loop {
         if let Some(end) = ending.consider(&mut iteration, judge) {
             break end;
         }
         iteration.assemble();
-        if !iteration.respond() {
-            break ending.limit();
-        }
-        let (target, of_tau) = iteration.predict();
-        if !iteration.correct(target, of_tau) {
+        if !(iteration.respond() && iteration.correct()) {
             break ending.limit();
         }
         iteration.update_residuals();
     };
     let end = match (end, goal.decided) {
-        (End::Solved, _) if goal.in_middle => end,
-        (End::Solved | End::Limit, Some(size)) => ending.decide(&mut iteration, judge, size),
+        (SolveStatus::Solved, _) if goal.in_middle => end,
+        (SolveStatus::Solved | SolveStatus::Stalled, Some(size)) => {
+            ending.decide(&mut iteration, judge, size)
+        }
         _ => end,
     };
     (end, ending.into_point(end))

@@ -1,6 +1,7 @@
 //! A point of the method, where the method starts and where it ends.
 
 use crate::condensed::scaled::{ROWS, Scaled};
+use crate::program::SolveStatus;
 
 /// An interior point.
 #[derive(Clone)]
@@ -27,79 +28,30 @@ impl Interior {
     }
 }
 
-/// How the method ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
-    /// The point solves the program.
-    Solved,
-    /// The displacements are a mechanism that proves a collapse.
-    Collapsed,
-    /// The forces prove that rigid bodies are locked.
-    Locked,
-    /// Neither: round-off has stopped the method. The point is the best one.
-    Limit,
-}
-
 /// The program's own judgement of points and directions, in units and order of the matrix.
 pub trait Judge {
     /// Whether the point solves the program within its tolerance.
     fn is_solution(&self, point: &Interior) -> bool;
 
-    /// Whether the method looks for proofs that the program has no solution.
-    fn seeks_proofs(&self) -> bool {
-        false
-    }
-
-    /// Whether the displacements are a mechanism that proves a collapse.
-    fn is_mechanism(&self, _u: &[[f64; 3]]) -> bool {
-        false
-    }
-
-    /// Whether the forces prove that rigid bodies are locked.
-    fn is_lock(&self, _s: &[[f64; 3]]) -> bool {
-        false
-    }
+    /// What a point or a step proves: a collapse if the displacements are a mechanism, or that rigid
+    /// bodies are locked by the forces.
+    fn proof(&self, point: &Interior) -> Option<SolveStatus>;
 }
 
-/// A judge of solutions alone.
-impl<F: Fn(&Interior) -> bool> Judge for F {
-    fn is_solution(&self, point: &Interior) -> bool {
-        self(point)
-    }
-}
-
-/// Conditions that end the method at a solution.
-#[derive(Clone, Copy, Debug)]
+/// Conditions that end the method.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Goal {
-    /// Residual at which it is done.
-    pub(super) residual: f64,
+    /// Residual at which it is done, or at a slightly larger one where it is slow.
+    pub residual: f64,
     /// Whether the first point that solves the program ends the method.
-    pub(super) at_once: bool,
-    /// Maximum of the smaller of slack and multiplier of a limit; `None` for no maximum.
-    pub(super) decided: Option<f64>,
+    pub at_once: bool,
+    /// Maximum of the smaller of slack and multiplier of a limit, which decides of every limit
+    /// whether it is active; `None` for no maximum.
+    pub decided: Option<f64>,
     /// Whether a solution stays in the middle of the set of solutions, with limits undecided.
-    pub(super) in_middle: bool,
-}
-
-impl Goal {
-    /// The goal is this residual, or a slightly larger one where the method is slow.
-    #[must_use]
-    pub fn exact(residual: f64) -> Self {
-        Self { residual, at_once: false, decided: None, in_middle: false }
-    }
-
-    /// The goal with a solution that decides of every limit whether it is active: the smaller of
-    /// slack and multiplier is at most `size`. A solution `in_middle` stays as it is.
-    #[must_use]
-    pub fn decided(self, size: f64, in_middle: bool) -> Self {
-        Self { decided: Some(size), in_middle, ..self }
-    }
-
-    /// The goal is the first point that solves the program, or this residual.
-    #[must_use]
-    pub fn enough(residual: f64) -> Self {
-        Self { residual, at_once: true, decided: None, in_middle: false }
-    }
+    pub in_middle: bool,
+    /// Whether the method looks for proofs that the program has no solution.
+    pub seeks_proofs: bool,
 }
 
 /// Forces near the solution to start from.

@@ -13,9 +13,11 @@
 
 mod patches;
 
+use self::patches::Motion;
 use super::MIN_FORCE;
 use super::matrix::BodyMatrix;
 use super::newton::{Goal, Newton, Point, Step, iterate};
+use super::parallel::in_parallel;
 use super::scaled::{Local, Scaled};
 use super::settings::{LocalSettings, NewtonSettings};
 use super::spring::{Elastic, RollingSpring, Spring};
@@ -81,13 +83,9 @@ impl<'a> Elimination<'a> {
 
     /// Eliminates bodies before the next step where that pays; whether any moved.
     pub fn move_bodies<S: Elastic<F>, const F: usize>(&mut self, point: &mut Point<S, F>) -> bool {
-        let is_first = !std::mem::replace(&mut self.is_done, true);
-        let is_short = self.last_length < self.settings.short_step;
-        let moved = is_first && (is_short || !self.fast.is_empty()) && self.eliminate(point);
-        if !moved {
-            self.is_done = false;
-        }
-        moved
+        let pays = self.last_length < self.settings.short_step || !self.fast.is_empty();
+        self.is_done = !self.is_done && pays && self.eliminate(point);
+        self.is_done
     }
 
     /// Leaves fast bodies out of a step after its line search where that makes it longer.
@@ -150,11 +148,17 @@ impl<'a> Elimination<'a> {
         let patches =
             self.patches(|i| unbalance[i] > share * maximum || self.fast.get(i) == Some(&true));
         let goal = Goal { min_force: point.force, ..self.goal };
-        let solutions = self.balance_all::<S, F>(&patches, &point.u, goal);
-        for (i, u) in &solutions {
-            point.u[*i] = *u;
+        let balance = |members: &Vec<usize>| self.balance::<S, F>(members, &point.u, goal);
+        let solutions: Vec<Option<Motion>> = if self.is_shared {
+            in_parallel(patches.iter(), balance)
+        } else {
+            patches.iter().map(balance).collect()
+        };
+        let mut moved = false;
+        for (i, u) in solutions.into_iter().flatten().flatten() {
+            (point.u[i], moved) = (u, true);
         }
-        !solutions.is_empty()
+        moved
     }
 }
 

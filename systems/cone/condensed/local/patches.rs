@@ -3,12 +3,12 @@
 
 use super::super::matrix::{BodyMatrix, places};
 use super::super::newton::{Goal, iterate};
-use super::super::parallel::in_parallel;
-use super::super::scaled::Scaled;
+use super::super::scaled::{Scaled, add_times};
 use super::super::spring::Elastic;
 use super::Elimination;
 
-type Motion = Vec<(usize, [f64; 3])>;
+/// Bodies and their displacements.
+pub(super) type Motion = Vec<(usize, [f64; 3])>;
 
 impl Elimination<'_> {
     /// The patches around the seeds, each with its bodies in ascending order.
@@ -78,26 +78,9 @@ impl Elimination<'_> {
         patches
     }
 
-    /// Displacements of the bodies of all patches, each in balance with all others held at `u`.
-    /// Threads share the patches of a program that is worth it.
-    pub(super) fn balance_all<S: Elastic<F>, const F: usize>(
-        &self,
-        patches: &[Vec<usize>],
-        u: &[[f64; 3]],
-        goal: Goal,
-    ) -> Motion {
-        let balance = |members: &Vec<usize>| self.balance::<S, F>(members, u, goal);
-        let solutions: Vec<Option<Motion>> = if self.is_shared {
-            in_parallel(patches.iter(), balance)
-        } else {
-            patches.iter().map(balance).collect()
-        };
-        solutions.into_iter().flatten().flatten().collect()
-    }
-
     /// Displacements of the `members` with all others held where `start` has them; `None` if the
     /// result is not finite.
-    fn balance<S: Elastic<F>, const F: usize>(
+    pub(super) fn balance<S: Elastic<F>, const F: usize>(
         &self,
         members: &[usize],
         start: &[[f64; 3]],
@@ -108,11 +91,8 @@ impl Elimination<'_> {
             members.iter().flat_map(|i| self.adjacency.of(*i)).copied().collect();
         used.sort_unstable();
         used.dedup();
-        let mut bodies: Vec<usize> = used
-            .iter()
-            .flat_map(|k| program.pair(&program.locals[*k]))
-            .chain(members.iter().copied())
-            .collect();
+        let joined = used.iter().flat_map(|k| program.pair(&program.locals[*k]));
+        let mut bodies: Vec<usize> = joined.chain(members.iter().copied()).collect();
         bodies.sort_unstable();
         bodies.dedup();
         let number = |i: usize| bodies.binary_search(&i).unwrap_or(usize::MAX);
@@ -138,17 +118,15 @@ impl Elimination<'_> {
             for side in (0..2).filter(|side| !is_member(bodies[*side])) {
                 let rows = std::mem::take(&mut l.arms.rows[side]);
                 for (row, u) in rows.iter().zip(&start[bodies[side]]) {
-                    for f in 0..3 {
-                        l.linear[f] -= row[f] * u;
-                    }
+                    add_times(&mut l.linear, -u, row);
                 }
             }
             l.arms.bodies = bodies.map(|i| number(i) as u32);
             l
         };
         part.locals = used.iter().map(with_others_held).collect();
-        let from: Vec<[f64; 3]> = bodies.iter().map(|i| start[*i]).collect();
-        let result = iterate::<S, F>(&part, &mut matrix, &from, &self.settings.newton, goal, None);
+        let settings = &self.settings.newton;
+        let result = iterate::<S, F>(&part, &mut matrix, &part.known, settings, goal, None);
         if result.iterations == 0 || !result.u.iter().flatten().all(|u| u.is_finite()) {
             return None;
         }

@@ -82,19 +82,17 @@ impl Arithmetic for Cholesky {
             extend(panel, height, 0, update_of(child), places, 0..of_child.inside);
         }
         let triangles = &mut self.triangles[front.pivots.clone()];
-        let definite = if packed.is_empty() {
-            dense::factorise(panel, height, triangles)
-        } else {
-            packed::factorise(simd, share, panel, height, triangles, packed)
-        };
-        if !definite {
-            return false;
-        }
         let kept = &mut self.factor[front.factor.clone()];
         if packed.is_empty() {
+            if !dense::factorise(panel, height, triangles) {
+                return false;
+            }
             dense::keep(panel, height, front.bodies(), kept);
             dense::update(panel, height, width, front.bottom(), update);
         } else {
+            if !packed::factorise(simd, share, panel, height, triangles, packed) {
+                return false;
+            }
             packed::keep(packed, width, front.bodies(), kept);
             packed::update(simd, share, packed, width, front.bottom(), update);
         }

@@ -183,8 +183,7 @@ pub fn kept_rows(bodies: usize, pivot: usize) -> usize {
 
 /// Stores the part of a trapezoid below its pivots; `bodies` is the number of its pivots and rows.
 #[inline(always)]
-pub fn keep(panel: &[f64], height: usize, bodies: usize, kept: &mut [f64]) {
-    let mut kept = kept;
+pub fn keep(panel: &[f64], height: usize, bodies: usize, mut kept: &mut [f64]) {
     for (k, block) in panel.chunks_exact(3 * height).enumerate() {
         let rows = kept_rows(bodies, k);
         let (out, rest) = std::mem::take(&mut kept).split_at_mut(3 * rows);
@@ -204,8 +203,7 @@ pub fn keep(panel: &[f64], height: usize, bodies: usize, kept: &mut [f64]) {
 /// Forward solve of one front with `bodies` pivots and rows: `x` has its pivots, its rows, and
 /// padding.
 #[inline(always)]
-pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
-    let mut kept = kept;
+pub fn forward(mut kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     for (k, triangle) in triangles.iter().enumerate() {
         let (own, below) = x[3 * k..].split_at_mut(3);
         let [xx, xy, xz, yy, yz, zz] = *triangle;
@@ -226,8 +224,7 @@ pub fn forward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64
 /// Backward solve of one front: `x` has its pivots, the solution of its rows, and zeros for
 /// padding.
 #[inline(always)]
-pub fn backward(kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
-    let mut kept = kept;
+pub fn backward(mut kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     for (k, triangle) in triangles.iter().enumerate().rev() {
         let (own, below) = x[3 * k..].split_at_mut(3);
         let (rest, block) = kept.split_at(kept.len() - 3 * kept_rows(bodies, k));

@@ -14,6 +14,7 @@ use super::fronts::{Front, Fronts, Task};
 use super::share::{By, Share, dispatch};
 use super::tasks::{downward, upward};
 use crate::condensed::parallel::{Memory, split};
+use crate::condensed::scaled::add_times;
 
 /// The factor of a task, and the arithmetic of its fronts. All functions are inlined into a caller
 /// that is compiled for the instructions of the machine.
@@ -116,6 +117,8 @@ impl<'a> At<'a> {
 
 /// The numbers of a task.
 struct Part<A> {
+    /// Its number.
+    task: usize,
     factor: A,
     /// Updates that wait for the parents of their fronts: of fronts in even depth, then in odd
     /// depth. Lent until the task above has taken them.
@@ -138,18 +141,18 @@ pub struct Factor<A: Arithmetic> {
 impl<A: Arithmetic> Factor<A> {
     /// Room for the factor of a matrix with these fronts.
     pub fn new(fronts: &Fronts) -> Self {
-        let part = |task: &Task| {
+        let part = |(number, task): (usize, &Task)| {
             let mut room = [0; 3];
             for front in &fronts.list[task.fronts.clone()] {
                 let [a, b] = A::room(front);
                 let own = [a, b, 3 * front.bodies() + LANES];
                 room = [0, 1, 2].map(|k| own[k].max(room[k]));
             }
-            let (factor, work) =
-                (A::new(fronts, task), vec![[0.0; 3]; task.places.len() + task.beyond.len()]);
-            Part { factor, updates: Vec::new(), work, room }
+            let work = vec![[0.0; 3]; task.places.len() + task.beyond.len()];
+            let factor = A::new(fronts, task);
+            Part { task: number, factor, updates: Vec::new(), work, room }
         };
-        let parts = fronts.tasks.iter().map(part).collect();
+        let parts = fronts.tasks.iter().enumerate().map(part).collect();
         Self { parts, memory: Memory::default(), instructions: Arch::new() }
     }
 
@@ -172,17 +175,15 @@ impl<A: Arithmetic> Factor<A> {
     ) -> bool {
         let Self { parts, memory, instructions } = self;
         let shared = parts.len() > 1;
-        let has_factor = upward(0, &fronts.sizes, parts, &|task, below, part| {
-            let of_task = &fronts.tasks[task];
-            part.updates = memory.take(of_task.update_len.iter().sum());
+        let has_factor = upward(&fronts.sizes, parts, &|below, part| {
+            let task = part.task;
+            part.updates = memory.take(fronts.tasks[task].update_len.iter().sum());
             if let Some(right) = right {
-                gather_below(fronts, task, right, below, &mut part.work);
+                gather_below(fronts, right, below, part);
             }
             let solves = right.is_some();
             let mut room = memory.take(part.room.iter().sum());
-            let of_below = &*below;
-            let work =
-                Eliminate { fronts, values, task, part, below: of_below, room: &mut room, solves };
+            let work = Eliminate { fronts, values, part, below, room: &mut room, solves };
             let has_factor = dispatch(*instructions, shared, work);
             memory.give(room);
             let first_below = task - below.len();
@@ -201,9 +202,9 @@ impl<A: Arithmetic> Factor<A> {
     /// Forward solve with the last factor.
     pub fn forward(&mut self, fronts: &Fronts, right: &[[f64; 3]]) {
         let Self { parts, memory, instructions } = self;
-        upward(0, &fronts.sizes, parts, &|task, below, part| {
-            gather_below(fronts, task, right, below, &mut part.work);
-            instructions.dispatch(Solve { fronts, task, part, memory, backward: false });
+        upward(&fronts.sizes, parts, &|below, part| {
+            gather_below(fronts, right, below, part);
+            instructions.dispatch(Solve { fronts, part, memory, backward: false });
             true
         });
     }
@@ -213,15 +214,15 @@ impl<A: Arithmetic> Factor<A> {
         let Self { parts, memory, instructions } = self;
         let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
         let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();
-        downward(0, &fronts.sizes, &mut parts, None, &|task, above, (part, x)| {
+        downward(&fronts.sizes, &mut parts, None, &|above, (part, x)| {
             if let Some((above, _)) = above {
-                let task = &fronts.tasks[task];
+                let task = &fronts.tasks[part.task];
                 let places = &fronts.beyond_above[task.beyond.clone()];
                 for (x, place) in part.work[task.places.len()..].iter_mut().zip(places) {
                     *x = above.work[*place as usize];
                 }
             }
-            instructions.dispatch(Solve { fronts, task, part, memory, backward: true });
+            instructions.dispatch(Solve { fronts, part, memory, backward: true });
             x.copy_from_slice(&part.work[..x.len()]);
         });
     }
@@ -231,24 +232,21 @@ impl<A: Arithmetic> Factor<A> {
 /// after the other.
 fn gather_below<A>(
     fronts: &Fronts,
-    task: usize,
     right: &[[f64; 3]],
     below: &[Part<A>],
-    work: &mut [[f64; 3]],
+    Part { task, work, .. }: &mut Part<A>,
 ) {
-    let first_below = task - below.len();
-    let places = &fronts.tasks[task].places;
+    let first_below = *task - below.len();
+    let places = &fronts.tasks[*task].places;
     let (own, beyond) = work.split_at_mut(places.len());
     own.copy_from_slice(&right[places.clone()]);
     beyond.fill([0.0; 3]);
-    for &other in &fronts.below[task] {
+    for &other in &fronts.below[*task] {
         let of_other = &fronts.tasks[other];
         let contributions = &below[other - first_below].work[of_other.places.len()..];
         let at = &fronts.beyond_above[of_other.beyond.clone()];
         for (place, contribution) in at.iter().zip(contributions) {
-            for (x, y) in work[*place as usize].iter_mut().zip(contribution) {
-                *x += y;
-            }
+            add_times(&mut work[*place as usize], 1.0, contribution);
         }
     }
 }
@@ -292,7 +290,6 @@ fn solve_front<A: Arithmetic>(factor: &A, at: At, work: &mut [[f64; 3]], local: 
 struct Eliminate<'a, 'v, A: Arithmetic> {
     fronts: &'a Fronts,
     values: Values<'v, A::Body, A::Pair>,
-    task: usize,
     part: &'a mut Part<A>,
     /// The other tasks of its subtrees.
     below: &'a [Part<A>],
@@ -306,14 +303,14 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> bool {
-        let Self(share, Eliminate { fronts, values, task, part, below, room, solves }) = self;
-        let first_below = task - below.len();
-        let of_task = &fronts.tasks[task];
+        let Self(share, Eliminate { fronts, values, part, below, room, solves }) = self;
+        let first_below = part.task - below.len();
+        let of_task = &fronts.tasks[part.task];
         let (first, rest) = room.split_at_mut(part.room[0]);
         let (second, local) = rest.split_at_mut(part.room[1]);
-        let Part { factor, updates, work, .. } = part;
+        let Part { task, factor, updates, work, .. } = part;
         let (even, odd) = updates.split_at_mut(of_task.update_len[0]);
-        for at in At::all(fronts, task) {
+        for at in At::all(fronts, *task) {
             let front = at.front;
             let (mine, theirs) = if front.odd { (&mut *odd, &*even) } else { (&mut *even, &*odd) };
             let update_of = |child: usize| {
@@ -343,7 +340,6 @@ impl<H: Share, A: Arithmetic> WithSimd for By<H, Eliminate<'_, '_, A>> {
 /// Forward or backward solve of the work of a task.
 struct Solve<'a, A> {
     fronts: &'a Fronts,
-    task: usize,
     part: &'a mut Part<A>,
     memory: &'a Memory,
     backward: bool,
@@ -354,16 +350,16 @@ impl<A: Arithmetic> WithSimd for Solve<'_, A> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
-        let Self { fronts, task, part, memory, backward } = self;
+        let Self { fronts, part, memory, backward } = self;
         let mut local = memory.take(part.room[2]);
         if backward {
-            for at in At::all(fronts, task).rev() {
+            for at in At::all(fronts, part.task).rev() {
                 let local = gather(at, &part.work, &mut local);
                 part.factor.backward(at, local);
                 store(&mut part.work[at.front.pivots.clone()], local);
             }
         } else {
-            for at in At::all(fronts, task) {
+            for at in At::all(fronts, part.task) {
                 solve_front(&part.factor, at, &mut part.work, &mut local);
             }
         }

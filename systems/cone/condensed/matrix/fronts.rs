@@ -62,7 +62,6 @@ impl Front {
 /// Some subtrees of the tree, without the parts of them that are tasks of their own.
 #[derive(Default)]
 pub struct Task {
-    /// Its fronts.
     pub fronts: Range<usize>,
     /// Its bodies in the order of elimination.
     pub places: Range<usize>,
@@ -79,7 +78,6 @@ pub struct Task {
 pub struct Fronts {
     /// Bodies in the order of their elimination.
     pub order: Vec<usize>,
-    /// The fronts.
     pub list: Vec<Front>,
     /// The tasks, in the order of elimination.
     pub tasks: Vec<Task>,
@@ -116,7 +114,8 @@ impl Fronts {
 
     /// Place of a pivot and of a body that is eliminated later among the pivots and rows of the
     /// front of the pivot. The arguments are places in [`order`](Self::order).
-    pub fn in_front(&self, task: &Task, front: &Front, bodies: [usize; 2]) -> [usize; 2] {
+    pub fn in_front(&self, front: usize, bodies: [usize; 2]) -> [usize; 2] {
+        let (task, front) = (&self.tasks[self.task_of(front)], &self.list[front]);
         bodies.map(|place| {
             let place = self.within(task, place);
             if place < front.pivots.end {

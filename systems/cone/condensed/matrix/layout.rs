@@ -1,6 +1,8 @@
 //! The order of elimination, approximate minimum degree on the graph of bodies and interactions; the
 //! order of the fronts, children before parents and task by task; and a place for all their numbers.
 
+use std::iter::repeat_n;
+
 use super::dense::kept_rows;
 use super::fronts::{Front, Fronts, Task};
 use super::merge::{Group, columns, merge};
@@ -21,24 +23,18 @@ pub fn of_pairs(bodies: usize, pairs: &[(u32, u32)]) -> (Fronts, Vec<PairPlace>)
     let neighbours = Adjacency::of_neighbours(bodies, pairs);
     let mut fronts = fronts(&minimum_degree(&neighbours), &neighbours);
     let place = places(&fronts.order);
-    let mut of_place = vec![(0, 0); bodies];
-    for (task, of_task) in fronts.tasks.iter().enumerate() {
-        for number in of_task.fronts.clone() {
-            let pivots = fronts.list[number].pivots.clone();
-            of_place[of_task.places.start..][pivots].fill((number, task));
-        }
-    }
-    let bodies = |(a, b): &(u32, u32)| [*a, *b].map(|i| place[i as usize]);
+    let pivots = fronts.list.iter().map(|front| front.pivots.len()).enumerate();
+    let of_place: Vec<usize> = pivots.flat_map(|(front, pivots)| repeat_n(front, pivots)).collect();
     let front = |[a, b]: [usize; 2]| of_place[a.min(b)];
+    let bodies = |(a, b): &(u32, u32)| [*a, *b].map(|i| place[i as usize]);
     let mut of_pair: Vec<PairPlace> =
         pairs.iter().map(|pair| PairPlace { place: 0, bodies: bodies(pair) }).collect();
-    let numbered = of_pair.iter().enumerate().map(|(k, pair)| (front(pair.bodies).0, k));
+    let numbered = of_pair.iter().enumerate().map(|(k, pair)| (front(pair.bodies), k));
     let of_fronts = Adjacency::collect(fronts.list.len(), numbered);
     for (place, &number) in of_fronts.entries().iter().enumerate() {
         let pair = &mut of_pair[number];
         pair.place = place;
-        let (front, task) = front(pair.bodies);
-        let mut rows = fronts.in_front(&fronts.tasks[task], &fronts.list[front], pair.bodies);
+        let mut rows = fronts.in_front(front(pair.bodies), pair.bodies);
         rows.sort_unstable();
         fronts.pairs.push(rows.map(|row| row as u32));
     }
@@ -54,29 +50,24 @@ fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
     let groups = &merge(column_rows)[..];
     let roots: Vec<usize> = (0..n).filter(|k| column_rows[*k].is_empty()).collect();
     let mut layout = Layout {
+        order,
         column_rows,
         groups,
         fronts: Fronts::default(),
-        columns: Vec::new(),
+        place: vec![0; n],
         number: vec![None; n],
     };
     for task in cut(column_rows, groups, &roots) {
         layout.lay_out(&task.feet);
         layout.fronts.sizes.push(task.size);
     }
-    let Layout { mut fronts, columns, .. } = layout;
-    let mut place = vec![0; n];
-    for &column in columns.iter().filter_map(|c| groups[*c].as_ref()).flat_map(|g| &g.pivots) {
-        place[column as usize] = fronts.order.len() as u32;
-        fronts.order.push(order[column as usize]);
-    }
+    let Layout { mut fronts, place, .. } = layout;
     // Rows are eliminated after their front: all have places only now.
+    for row in &mut fronts.rows {
+        *row = place[*row as usize];
+    }
     for front in &fronts.list {
-        let rows = &mut fronts.rows[front.rows.clone()];
-        for row in &mut *rows {
-            *row = place[*row as usize];
-        }
-        rows.sort_unstable();
+        fronts.rows[front.rows.clone()].sort_unstable();
     }
     fronts.in_parent = vec![0; fronts.rows.len()];
     for parent in 0..fronts.list.len() {
@@ -91,11 +82,13 @@ fn fronts(order: &[usize], neighbours: &Adjacency) -> Fronts {
 
 /// The fronts that are laid out so far.
 struct Layout<'a> {
+    /// Bodies by column.
+    order: &'a [usize],
     column_rows: &'a [Vec<u32>],
     groups: &'a [Option<Group>],
     fronts: Fronts,
-    /// The column that stands for the group of every front.
-    columns: Vec<usize>,
+    /// The place of every column in [`Fronts::order`].
+    place: Vec<u32>,
     /// The front of every group that has one already, by its column.
     number: Vec<Option<u32>>,
 }
@@ -104,12 +97,16 @@ impl Layout<'_> {
     /// Lays out the subtrees on these feet, without the fronts that are laid out already.
     fn lay_out(&mut self, feet: &[usize]) {
         let first_front = self.fronts.list.len();
-        let first_place = self.fronts.list.last().map_or(0, |front| front.pivots.end);
-        let (mut place, mut factor_len) = (first_place, 0);
-        let (mut used, mut update_len) = ([0; 2], [0; 2]);
+        let first_place = self.fronts.order.len();
+        let (mut used, mut update_len, mut factor_len) = ([0; 2], [0; 2], 0);
         for (column, depth) in self.postorder(feet) {
             let Some(group) = &self.groups[column] else { continue };
             let fronts = &mut self.fronts;
+            let first_pivot = fronts.order.len();
+            for &pivot in &group.pivots {
+                self.place[pivot as usize] = fronts.order.len() as u32;
+                fronts.order.push(self.order[pivot as usize]);
+            }
             let first_child = fronts.children.len();
             fronts.children.extend(group.children.iter().filter_map(|c| self.number[*c]));
             let first_row = fronts.rows.len();
@@ -117,7 +114,7 @@ impl Layout<'_> {
             let (pivots, rows) = (group.pivots.len(), self.column_rows[column].len());
             let kept: usize = (0..pivots).map(|k| 3 * kept_rows(pivots + rows, k)).sum();
             let front = Front {
-                pivots: place..place + pivots,
+                pivots: first_pivot..fronts.order.len(),
                 rows: first_row..first_row + rows,
                 inside: 0,
                 children: first_child..fronts.children.len(),
@@ -134,14 +131,12 @@ impl Layout<'_> {
             used[mine] += front.update_len();
             update_len[mine] = update_len[mine].max(used[mine]);
             factor_len += kept;
-            place += pivots;
             fronts.rows.extend(&self.column_rows[column]);
             self.number[column] = Some(fronts.list.len() as u32);
-            self.columns.push(column);
             fronts.list.push(front);
         }
         let fronts = first_front..self.fronts.list.len();
-        let places = first_place..place;
+        let places = first_place..self.fronts.order.len();
         self.fronts.tasks.push(Task { fronts, places, beyond: 0..0, factor_len, update_len });
     }
 

@@ -27,11 +27,11 @@ use self::factor::{Arithmetic, Factor, Values};
 use self::fronts::Fronts;
 use self::layout::PairPlace;
 pub(super) use self::layout::places;
-pub(crate) use self::lu::Lu;
+use self::lu::Lu;
 use super::images::{self, Images};
 use super::interior::max_magnitude;
 use super::parallel::{in_pool, split};
-use super::scaled::Scaled;
+use super::scaled::{Scaled, add_times};
 use crate::program::ConeProgram;
 
 /// Shifts of the diagonal, over its maximum, that make up for round-off: a hundred times the unit
@@ -43,6 +43,8 @@ const MAX_REFINEMENTS: usize = 8;
 
 /// A matrix, its factor, and the data that depend on its pattern only.
 pub struct Matrix<A: Arithmetic> {
+    /// The pairs of bodies that it was made for.
+    given: Vec<(u32, u32)>,
     fronts: Fronts,
     /// Places of the pairs, in the order given.
     places: Vec<PairPlace>,
@@ -64,28 +66,9 @@ pub type BodyMatrix = Matrix<Cholesky>;
 /// determinant comes with the factor.
 pub type UnsymmetricMatrix = Matrix<Lu>;
 
-/// The matrix of a program, kept while its pairs of bodies stay.
-pub(crate) struct Kept<A: Arithmetic> {
-    pairs: Vec<(u32, u32)>,
-    matrix: Matrix<A>,
-}
-
-impl<A: Arithmetic> Default for Kept<A> {
+impl<A: Arithmetic> Default for Matrix<A> {
     fn default() -> Self {
-        Self { pairs: Vec::new(), matrix: Matrix::new(0, &[]) }
-    }
-}
-
-impl<A: Arithmetic> Kept<A> {
-    /// The matrix with the pattern of a program.
-    pub fn of(&mut self, program: &ConeProgram) -> &mut Matrix<A> {
-        let bodies = program.bodies.len();
-        let pairs = images::pairs(program);
-        if self.matrix.bodies.len() != bodies || !pairs.clone().eq(self.pairs.iter().copied()) {
-            self.pairs = pairs.collect();
-            self.matrix = Matrix::new(bodies, &self.pairs);
-        }
-        &mut self.matrix
+        Self::new(0, &[])
     }
 }
 
@@ -98,6 +81,7 @@ impl<A: Arithmetic> Matrix<A> {
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Self {
         let (fronts, places) = layout::of_pairs(bodies, pairs);
         Self {
+            given: pairs.to_vec(),
             places,
             bodies: vec![A::Body::default(); bodies],
             pairs: vec![A::Pair::default(); pairs.len()],
@@ -113,9 +97,14 @@ impl<A: Arithmetic> Matrix<A> {
         &self.fronts.order
     }
 
-    /// A program with this pattern in the order of elimination. Its images are taken over, which
-    /// [`Assembly::add`] needs for interactions with them.
+    /// A program in the order of elimination. Its pattern is taken over, unless the matrix has it
+    /// already, and its images, which [`Assembly::add`] needs for interactions with them.
     pub fn pose(&mut self, program: &ConeProgram) -> Scaled {
+        let bodies = program.bodies.len();
+        let pairs = images::pairs(program);
+        if self.bodies.len() != bodies || !pairs.clone().eq(self.given.iter().copied()) {
+            *self = Self::new(bodies, &pairs.collect::<Vec<_>>());
+        }
         let scaled = Scaled::new(program, self.order());
         self.images.clone_from(&scaled.images);
         scaled
@@ -225,9 +214,7 @@ impl<A: Arithmetic> Matrix<A> {
             }
             last = now;
             self.solve(defect);
-            for (x, d) in x.as_flattened_mut().iter_mut().zip(defect.as_flattened()) {
-                *x += d;
-            }
+            add_times(x.as_flattened_mut(), 1.0, defect.as_flattened());
         }
     }
 }
@@ -257,21 +244,17 @@ impl BodyMatrix {
     /// round-off has cost the matrix its positive definiteness.
     #[must_use = "without a factor the right side is where the solution would be"]
     pub fn factorise_shifted_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
-        if self.factorise_and_solve(x) {
-            return true;
-        }
         let maximum = self.max_diagonal();
-        for shift in SHIFTS {
+        let mut shifts = SHIFTS.into_iter();
+        while !self.factorise_and_solve(x) {
+            let Some(shift) = shifts.next() else { return false };
             for block in &mut self.bodies {
                 for k in Cholesky::DIAGONAL {
                     block[k] += shift * maximum;
                 }
             }
-            if self.factorise_and_solve(x) {
-                return true;
-            }
         }
-        false
+        true
     }
 }
 

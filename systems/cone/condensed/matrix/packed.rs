@@ -143,8 +143,7 @@ pub fn factorise<S: Simd>(
 
 /// As [`dense::keep`](super::dense::keep), from the copy.
 #[inline(always)]
-pub fn keep(packed: &[f64], width: usize, bodies: usize, kept: &mut [f64]) {
-    let mut kept = kept;
+pub fn keep(packed: &[f64], width: usize, bodies: usize, mut kept: &mut [f64]) {
     for column in 0..width {
         let rows = kept_rows(bodies, column / 3);
         let (mut out, rest) = std::mem::take(&mut kept).split_at_mut(rows);
@@ -154,9 +153,7 @@ pub fn keep(packed: &[f64], width: usize, bodies: usize, kept: &mut [f64]) {
             let start = row / CHUNK * CHUNK * width + CHUNK * column + row % CHUNK;
             let len = (CHUNK - row % CHUNK).min(out.len());
             let (piece, rest) = out.split_at_mut(len);
-            for (x, y) in piece.iter_mut().zip(&packed[start..start + len]) {
-                *x = *y;
-            }
+            piece.copy_from_slice(&packed[start..start + len]);
             (out, row) = (rest, row + len);
         }
     }

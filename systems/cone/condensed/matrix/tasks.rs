@@ -1,11 +1,11 @@
-//! Cuts the tree of fronts into tasks, and passes over them. A task waits for the tasks below it alone, so that several
-//! threads can work on the tree at once.
+//! Cuts the tree of fronts into tasks, and passes over them. A task waits for the tasks below it
+//! alone, so that several threads can work on the tree at once.
 //!
 //! A subtree with at most a two-hundredth of the work, or with little work, is not cut; small ones
-//! that hang on the same task are taken together. Above them, every chain of fronts without a fork is one task. There are
-//! at most about a thousand tasks therefore, however long the chains are. The cut follows from the
-//! pattern, not from the number of threads, and a task takes the results of those below it in their
-//! order: any number of threads gives the same bytes.
+//! that hang on the same task are taken together. Above them, every chain of fronts without a fork
+//! is one task. There are at most about a thousand tasks therefore, however long the chains are.
+//! The cut follows from the pattern, not from the number of threads, and a task takes the results of
+//! those below it in their order: any number of threads gives the same bytes.
 
 use super::merge::Group;
 use crate::condensed::parallel::join;
@@ -89,7 +89,8 @@ pub fn cut(rows: &[Vec<u32>], groups: &[Option<Group>], roots: &[usize]) -> Vec<
             nodes[task].below.push(new);
         }
     }
-    let mut cuts = in_postorder(nodes, all);
+    let mut cuts = Vec::new();
+    add_in_postorder(&mut nodes, all, &mut cuts);
     cuts.pop();
     cuts
 }
@@ -109,21 +110,14 @@ fn share_out(feet: &[usize], whole: &[f64], grain: f64) -> Vec<Vec<usize>> {
     groups
 }
 
-/// The tasks in the subtree of one, each after those below it.
-fn in_postorder(mut nodes: Vec<Node>, root: usize) -> Vec<Cut> {
-    let mut cuts = Vec::new();
-    let mut path = vec![(root, 0, 0)];
-    while let Some((task, next, first)) = path.last_mut() {
-        if let Some(&below) = nodes[*task].below.get(*next) {
-            *next += 1;
-            path.push((below, 0, cuts.len()));
-        } else {
-            let feet = std::mem::take(&mut nodes[*task].feet);
-            cuts.push(Cut { feet, size: cuts.len() + 1 - *first });
-            path.pop();
-        }
+/// Adds the tasks in the subtree of one, each after those below it.
+fn add_in_postorder(nodes: &mut [Node], task: usize, cuts: &mut Vec<Cut>) {
+    let first = cuts.len();
+    let Node { feet, below, .. } = std::mem::take(&mut nodes[task]);
+    for below in below {
+        add_in_postorder(nodes, below, cuts);
     }
-    cuts
+    cuts.push(Cut { feet, size: cuts.len() + 1 - first });
 }
 
 /// Work of a front: multiplications, and four times the numbers that are moved. Moving a number
@@ -139,48 +133,42 @@ pub fn work(pivots: usize, rows: usize) -> f64 {
 // included; every task comes after the rest of its subtree. The recursion is at most as deep as
 // there are tasks.
 
-/// Calls `f` for every task of complete subtrees, whose tasks are counted from `first`, with its
-/// number, the data of the other tasks in its subtree, and its own: for those below a task first.
-/// Returns whether all calls returned true; a task above one that did not is left out.
+/// Calls `f` for every task of complete subtrees with the data of the other tasks in its subtree,
+/// and its own: for those below a task first. Returns whether all calls returned true; a task above
+/// one that did not is left out.
 pub fn upward<T: Send + Sync>(
-    first: usize,
     sizes: &[usize],
     data: &mut [T],
-    f: &(impl Fn(usize, &mut [T], &mut T) -> bool + Sync),
+    f: &(impl Fn(&mut [T], &mut T) -> bool + Sync),
 ) -> bool {
     let Some(size) = sizes.last() else { return true };
     let at = sizes.len() - size;
     let (before, subtree) = data.split_at_mut(at);
-    let others = || upward(first, &sizes[..at], before, f);
     let last = || {
         let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
-        let first = first + at;
-        upward(first, &sizes[at..sizes.len() - 1], below, f) && f(first + below.len(), below, own)
+        upward(&sizes[at..sizes.len() - 1], below, f) && f(below, own)
     };
-    let (others, last) = join(at > 0, others, last);
+    let (others, last) = join(at > 0, || upward(&sizes[..at], before, f), last);
     others && last
 }
 
-/// Calls `f` for every task of complete subtrees, whose tasks are counted from `first`, with its
-/// number, the data of the task `above` it, and its own: for the task above first.
+/// Calls `f` for every task of complete subtrees with the data of the task `above` it, and its own:
+/// for the task above first.
 pub fn downward<T: Send + Sync>(
-    first: usize,
     sizes: &[usize],
     data: &mut [T],
     above: Option<&T>,
-    f: &(impl Fn(usize, Option<&T>, &mut T) + Sync),
+    f: &(impl Fn(Option<&T>, &mut T) + Sync),
 ) {
     let Some(size) = sizes.last() else { return };
     let at = sizes.len() - size;
     let (before, subtree) = data.split_at_mut(at);
-    let others = || downward(first, &sizes[..at], before, above, f);
     let last = || {
         let (own, below) = subtree.split_last_mut().expect("a subtree has a task");
-        let first = first + at;
-        f(first + below.len(), above, own);
-        downward(first, &sizes[at..sizes.len() - 1], below, Some(own), f);
+        f(above, own);
+        downward(&sizes[at..sizes.len() - 1], below, Some(own), f);
     };
-    join(at > 0, others, last);
+    join(at > 0, || downward(&sizes[..at], before, above, f), last);
 }
 
 /// The task above every task.
