@@ -68,7 +68,7 @@ const ALL: &str = r#"(
     ],
     stages: [
         Cement(name: "cement", length: 8.0e-3),
-        Load(name: "press", increments: 6, walls: { "top": Displacement(0.0, -2.0e-3) },
+        Load(name: "press", increments: 3, walls: { "top": Displacement(0.0, -1.0e-3) },
             particles: [(select: Box(min: (0.0, 0.0), max: (0.2, 0.02)), x: Held, rotation: Held)]),
     ],
     measures: [
