@@ -34,7 +34,6 @@ pub enum AnalysisKind {
 
 impl AnalysisKind {
     /// Weight of the end of the increment: 1 where an increment has no duration.
-    #[must_use]
     pub fn theta(self) -> f64 {
         match self {
             Self::Dynamic { theta, .. } => theta,
@@ -43,13 +42,11 @@ impl AnalysisKind {
     }
 
     /// Theta of a time step; `None` where no time passes.
-    #[must_use]
     pub fn theta_of_step(self) -> Option<f64> {
         self.dt().map(|_| self.theta())
     }
 
     /// Time step, s, where time passes.
-    #[must_use]
     pub fn dt(self) -> Option<f64> {
         match self {
             Self::Dynamic { dt, .. } => Some(dt),
@@ -122,7 +119,6 @@ impl Default for Coulomb {
 
 impl FrictionLaw {
     /// Coulomb's law, if it is the law of this kind of analysis.
-    #[must_use]
     pub fn coulomb(&self, kind: AnalysisKind) -> Option<Coulomb> {
         match kind {
             AnalysisKind::Static => self.in_statics,

@@ -86,13 +86,11 @@ pub enum IncrementStatus {
 
 impl IncrementStatus {
     /// Whether the increment was committed.
-    #[must_use]
     pub fn is_committed(self) -> bool {
         matches!(self, Self::Solved | Self::Capped)
     }
 
     /// The word that the history file uses.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Solved => "solved",
@@ -150,7 +148,6 @@ pub struct Attempt {
 
 impl Attempt {
     /// The motion that is being followed, if any.
-    #[must_use]
     pub fn motion(&self) -> Option<&Motion> {
         match &self.mode {
             Mode::Motion(motion) => Some(motion),
@@ -159,7 +156,6 @@ impl Attempt {
     }
 
     /// Effort of an attempt at an equilibrium; `None` in a motion or a proof.
-    #[must_use]
     pub fn effort(&self) -> Option<Effort> {
         match self.mode {
             Mode::Equilibrium(effort) => Some(effort),

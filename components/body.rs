@@ -62,7 +62,6 @@ pub enum BodyDrive {
 
 impl BodyDrive {
     /// The imposed displacement (m) or rotation (rad); `None` if it is free.
-    #[must_use]
     pub fn imposed(self) -> Option<f64> {
         if let Self::Imposed(u) = self { Some(u) } else { None }
     }
@@ -76,7 +75,6 @@ pub struct BodyDrives(pub [BodyDrive; 3]);
 impl BodyDrives {
     /// Imposes the displacements x, y (m) and the rotation (rad) over an increment; 0 holds the
     /// body.
-    #[must_use]
     pub fn imposed(displacements: [f64; 3]) -> Self {
         Self(displacements.map(BodyDrive::Imposed))
     }
@@ -94,13 +92,11 @@ pub struct Ramp {
 
 impl Ramp {
     /// The ramp multiplied by a factor.
-    #[must_use]
     pub fn times(self, factor: f64) -> Self {
         Self { from: self.from * factor, to: self.to * factor }
     }
 
     /// Value after the given fraction of the increment.
-    #[must_use]
     pub fn at(self, fraction: f64) -> f64 {
         // The end is returned unchanged, so that a full increment carries the exact target.
         if fraction >= 1.0 { self.to } else { self.from + fraction * (self.to - self.from) }
@@ -115,13 +111,11 @@ pub struct AppliedLoad([Ramp; 3]);
 
 impl AppliedLoad {
     /// The loads over the next whole increment.
-    #[must_use]
     pub fn next(control: &LoadControl, progress: &crate::increment::ClasticProgress) -> Self {
         Self(control.0.map(|(from, to)| progress.ramp(from, to)))
     }
 
     /// Force x, force y (N) and moment (N m).
-    #[must_use]
     pub fn ramps(&self) -> [Ramp; 3] {
         self.0
     }
@@ -139,14 +133,12 @@ pub struct LoadControl(pub [(f64, f64); 3]);
 
 impl LoadControl {
     /// Constant force x, y (N) and moment (N m).
-    #[must_use]
     pub fn constant(loads: [f64; 3]) -> Self {
         Self(loads.map(|load| (load, load)))
     }
 
     /// Changes the values at the end of the stage and keeps the current values
     /// ([`ClasticProgress::retarget`](crate::increment::ClasticProgress::retarget)).
-    #[must_use]
     pub fn retarget(self, progress: &crate::increment::ClasticProgress, targets: [f64; 3]) -> Self {
         Self(std::array::from_fn(|k| progress.retarget(self.0[k].0, self.0[k].1, targets[k])))
     }
@@ -162,7 +154,6 @@ pub struct BodyExternalForce(pub [f64; 3]);
 
 impl BodyExternalForce {
     /// The force of a state that was computed before.
-    #[must_use]
     pub fn of_state(force: [f64; 3]) -> Self {
         Self(force)
     }

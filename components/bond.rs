@@ -39,7 +39,6 @@ impl Bond {
     ///
     /// An entity that is no body, an entity with itself, and two walls are refused by Bevy's error
     /// handler, which panics unless the app sets another one.
-    #[must_use]
     pub fn between(a: Entity, b: Entity, law: BondLaw) -> Joint {
         Joint { a, b, law }
     }
@@ -83,7 +82,6 @@ pub enum RuptureMode {
 
 impl RuptureMode {
     /// The word that the event file uses.
-    #[must_use]
     pub fn name(self) -> &'static str {
         match self {
             Self::Tension => "tension",

@@ -57,32 +57,27 @@ impl Default for CellControl {
 
 impl PeriodicCell {
     /// Area, m^2.
-    #[must_use]
     pub fn area(&self) -> f64 {
         self.width * self.height
     }
 
     /// Length that converts strains of the cell into displacements: the square root of the area, m.
-    #[must_use]
     pub fn length(&self) -> f64 {
         self.area().sqrt()
     }
 
     /// Maximum distance of two particles in contact, m: half the smaller side of the cell. Beyond it
     /// a particle could touch two images of another.
-    #[must_use]
     pub fn max_branch(&self) -> f64 {
         0.5 * self.width.min(self.height)
     }
 
     /// Shift of the image of b that is nearest to a, m. `apart` is the vector from a to b, m.
-    #[must_use]
     pub fn shift(&self, apart: DVec2) -> DVec2 {
         shift([self.width, self.height, self.tilt], apart)
     }
 
     /// Position within the cell that is equivalent to `place`, m.
-    #[must_use]
     pub fn wrapped(&self, place: DVec2) -> DVec2 {
         let rows = (place.y / self.height).floor();
         let x = place.x - rows * self.tilt;
@@ -92,14 +87,12 @@ impl PeriodicCell {
     /// Axis of the first degree of freedom of the [body](clastic_cone::program::ProgramCell) of the
     /// program that represents the cell. With `by_mean` it is the diagonal, along which width and
     /// height strain alike.
-    #[must_use]
     pub fn axis(&self) -> DVec2 {
         if self.by_mean { DVec2::splat(0.5_f64.sqrt()) } else { DVec2::X }
     }
 
     /// Displacements of that body for changes of the width and the height and a displacement of the
     /// top, m; the factors of its loads.
-    #[must_use]
     pub fn factors(&self, arm: f64) -> [f64; 3] {
         let length = self.length();
         let shear = length / (self.height * arm);
@@ -113,14 +106,12 @@ impl PeriodicCell {
     /// Loads of that body along x and y by unit of stress, N/Pa, N/Pa and N m/Pa. Compression is
     /// positive for sigma_xx and sigma_yy, and shortens; the traction along x on the top moves it
     /// along x.
-    #[must_use]
     pub fn loads(&self, arm: f64, thickness: f64) -> [f64; 3] {
         let by_length = self.area() * thickness / self.length();
         [-by_length, -by_length, by_length * arm]
     }
 
     /// Loads of that body along its axes per unit of the controlled stresses.
-    #[must_use]
     pub fn loads_of_controls(&self, arm: f64, thickness: f64) -> [f64; 3] {
         let loads = self.loads(arm, thickness);
         if self.by_mean {
@@ -131,14 +122,12 @@ impl PeriodicCell {
     }
 
     /// Stress of the last increment of the components that are controlled, Pa.
-    #[must_use]
     pub fn controlled_stress(&self, by_mean: bool) -> [f64; 3] {
         let [xx, yy, shear] = self.stress;
         if by_mean { [0.5 * (xx + yy), yy - xx, shear] } else { self.stress }
     }
 
     /// The cell after a displacement (m, m, rad) of the body that stands for it.
-    #[must_use]
     pub fn deformed(&self, u: [f64; 3], arm: f64) -> Self {
         let length = self.length();
         let (xx, yy, xy) = (u[0] / length, u[1] / length, arm * u[2] / length);
@@ -152,7 +141,6 @@ impl PeriodicCell {
     }
 
     /// Maximum displacement of a side that is imposed in an increment, m.
-    #[must_use]
     pub fn imposed(&self) -> f64 {
         let imposed = self.controls.iter().map(|control| match control {
             CellControl::Imposed(u) => u.abs(),
@@ -164,7 +152,6 @@ impl PeriodicCell {
 
 /// Shift of the image of b that is nearest to a in a cell of this width, height and tilt (m).
 /// `apart` is the vector from a to b, m.
-#[must_use]
 pub fn shift([width, height, tilt]: [f64; 3], apart: DVec2) -> DVec2 {
     let rows = (apart.y / height).round();
     let x = apart.x - rows * tilt;

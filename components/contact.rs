@@ -74,7 +74,6 @@ pub struct BodyTable {
 
 impl BodyTable {
     /// Name of a body in messages: its kind and its identity.
-    #[must_use]
     pub fn name(&self, row: usize) -> String {
         match row.checked_sub(self.particles) {
             _ if row >= self.ids.len() => "the periodic cell".to_owned(),
@@ -88,33 +87,28 @@ impl BodyTable {
 
     /// Shift of the image of particle b with which particle a may have a contact, m; zero without a
     /// cell.
-    #[must_use]
     pub fn shift(&self, a: usize, b: usize) -> DVec2 {
         let apart = || self.positions[b] - self.positions[a];
         self.cell.as_ref().map_or(DVec2::ZERO, |cell| cell.shift(apart()))
     }
 
     /// Vector from particle a to the nearest image of particle b, m.
-    #[must_use]
     pub fn way(&self, a: usize, b: usize) -> DVec2 {
         let apart = self.positions[b] - self.positions[a];
         self.cell.as_ref().map_or(apart, |cell| apart + cell.shift(apart))
     }
 
     /// Where the rows of rigid groups begin.
-    #[must_use]
     pub fn first_group(&self) -> usize {
         self.ids.len() - self.groups.len()
     }
 
     /// Number of rows in the program.
-    #[must_use]
     pub fn rows_in_program(&self) -> usize {
         self.positions.len() + usize::from(self.cell.is_some())
     }
 
     /// The row of a body; `None` if it is not in the table.
-    #[must_use]
     pub fn row(&self, id: BodyId) -> Option<usize> {
         // If identities have no gap, the identity is the row.
         let row = id.0 as usize;
@@ -129,31 +123,26 @@ impl BodyTable {
     }
 
     /// The wall in a row; `None` for another body.
-    #[must_use]
     pub fn wall(&self, row: u32) -> Option<&WallRow> {
         self.walls.binary_search_by_key(&row, |wall| wall.body).ok().map(|k| &self.walls[k])
     }
 
     /// The rigid group in a row; `None` for another body.
-    #[must_use]
     pub fn group_at(&self, row: usize) -> Option<&GroupRow> {
         self.groups.get(row.checked_sub(self.first_group())?)
     }
 
     /// Velocity (x, y; m/s) and angular velocity (rad/s) at the start of the trial.
-    #[must_use]
     pub fn rates(&self, row: usize) -> [f64; 3] {
         [self.velocities[row].x, self.velocities[row].y, self.angular_velocities[row]]
     }
 
     /// Mass of degree of freedom `k` of a particle: kg, or kg m^2 of the rotation.
-    #[must_use]
     pub fn mass_of(&self, i: usize, k: usize) -> f64 {
         if k < 2 { self.masses[i] } else { self.inertias[i] }
     }
 
     /// The rigid group of the body of a row; `None` for a body that belongs to none.
-    #[must_use]
     pub fn group(&self, row: usize) -> Option<&GroupRow> {
         let index = self.group_of.get(row).copied().flatten()?;
         self.groups.get(index as usize)
@@ -161,7 +150,6 @@ impl BodyTable {
 
     /// Whether two bodies, `a < b`, have no contact with each other: members of one rigid group,
     /// and linked bodies.
-    #[must_use]
     pub fn are_joined(&self, a: u32, b: u32) -> bool {
         if self.links.binary_search_by_key(&[a, b], |link| link.rows).is_ok() {
             return true;
@@ -176,21 +164,18 @@ impl BodyTable {
     }
 
     /// Position of a member relative to the centre of its group, m.
-    #[must_use]
     pub fn lever(&self, group: &GroupRow, member: usize) -> DVec2 {
         self.positions[member] - self.positions[group.body as usize]
     }
 
     /// Drive of degree of freedom `k` of a rigid group in the trial. Imposed displacements are
     /// those of a whole increment.
-    #[must_use]
     pub fn group_drive(&self, group: &GroupRow, k: usize) -> BodyDrive {
         self.in_trial(group.drives[k])
     }
 
     /// Maximum displacement of a point of a rigid group that its drives impose on it in a whole
     /// increment, m.
-    #[must_use]
     pub fn imposed_motion(&self, group: &GroupRow) -> f64 {
         let [x, y, turn] =
             [0, 1, 2].map(|k| self.group_drive(group, k).imposed().unwrap_or_default());
@@ -199,7 +184,6 @@ impl BodyTable {
 
     /// Drive of degree of freedom `k` of particle `i` in the trial. Imposed displacements are those
     /// of a whole increment.
-    #[must_use]
     pub fn drive(&self, i: usize, k: usize) -> BodyDrive {
         self.in_trial(self.drives[i][k])
     }
@@ -212,7 +196,6 @@ impl BodyTable {
     }
 
     /// Drive of a wall in the trial. Imposed displacements are those of a whole increment.
-    #[must_use]
     pub fn wall_drive(&self, wall: &WallRow) -> WallDrive {
         match wall.drive {
             WallDrive::Imposed(_) | WallDrive::Turning { .. } if self.drives_stopped => {
@@ -224,7 +207,6 @@ impl BodyTable {
     }
 
     /// Displacement of the position of a wall that turns about a point by an angle (rad), m.
-    #[must_use]
     pub fn swing(&self, wall: &WallRow, about: DVec2, angle: f64) -> DVec2 {
         let arm = self.positions[wall.body as usize] - about;
         let [x, y, _] = GroupRow::carried([0.0, 0.0, angle], arm);
@@ -233,7 +215,6 @@ impl BodyTable {
 
     /// Maximum displacement of a drawn point of a wall that a drive imposes on it in a whole
     /// increment, m.
-    #[must_use]
     pub fn wall_travel(&self, wall: &WallRow, drive: WallDrive) -> f64 {
         match drive {
             WallDrive::Turning { about, angle } => {
@@ -250,14 +231,12 @@ impl BodyTable {
     }
 
     /// Whether a particle has a load of its own.
-    #[must_use]
     pub fn has_load(&self, i: usize) -> bool {
         self.loads[i].iter().any(|load| load.from != 0.0 || load.to != 0.0)
     }
 
     /// Weight of a particle in a static increment under the acceleration `gravity` (m/s^2), N: none of
     /// one that is set aside, unless it has become part of a rigid group.
-    #[must_use]
     pub fn static_weight(&self, i: usize, gravity: DVec2) -> DVec2 {
         if self.set_aside[i] && self.group(i).is_none() {
             DVec2::ZERO
@@ -268,7 +247,6 @@ impl BodyTable {
 
     /// Load of a rigid group in the trial at the given part of the increment, N and N m: its own,
     /// that of its members, and their weight under the acceleration `gravity` (m/s^2).
-    #[must_use]
     pub fn load_on_group(&self, group: &GroupRow, part: f64, gravity: DVec2) -> [f64; 3] {
         let mut sum = group.loads.map(|ramp| ramp.at(part));
         for i in self.particles_of(group) {
@@ -281,14 +259,12 @@ impl BodyTable {
     }
 
     /// Weight and load of particle `i` at a part of the increment, N.
-    #[must_use]
     pub fn force_on(&self, i: usize, part: f64, gravity: DVec2) -> DVec2 {
         let [x, y, _] = self.loads[i].map(|ramp| ramp.at(part));
         DVec2::new(x, y) + self.masses[i] * gravity
     }
 
     /// The periodic cell after the displacement of its body (m, m, rad).
-    #[must_use]
     pub fn deformed_cell(&self, u: Option<[f64; 3]>) -> Option<PeriodicCell> {
         self.cell.zip(u).map(|(cell, u)| cell.deformed(u, self.mean_radius))
     }
@@ -334,7 +310,6 @@ pub struct Contact {
 
 impl Contact {
     /// The contact point, the middle of the gap, m.
-    #[must_use]
     pub fn point(&self, bodies: &BodyTable) -> DVec2 {
         let a = self.a as usize;
         bodies.positions[a] + self.normal * (bodies.radii[a] + 0.5 * self.gap)
@@ -342,7 +317,6 @@ impl Contact {
 
     /// Common radius r^I, m: the smaller radius of two particles, or the radius of the particle at
     /// a wall.
-    #[must_use]
     pub fn common_radius(&self, bodies: &BodyTable) -> f64 {
         let ra = bodies.radii[self.a as usize];
         bodies.radii.get(self.b as usize).map_or(ra, |rb| ra.min(*rb))

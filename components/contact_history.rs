@@ -19,7 +19,6 @@ pub struct KeptRows {
 
 impl KeptRows {
     /// Rows of the bodies of a run that is resumed.
-    #[must_use]
     pub fn of(ids: Vec<BodyId>) -> Self {
         Self { ids, ..Self::default() }
     }
@@ -36,25 +35,21 @@ impl KeptRows {
     }
 
     /// Whether any row has changed.
-    #[must_use]
     pub fn is_needed(&self) -> bool {
         !self.now.is_empty()
     }
 
     /// Whether bodies have come or gone; those that come after all others change no row.
-    #[must_use]
     pub fn has_changed(&self) -> bool {
         self.changed
     }
 
     /// Whether a body was removed.
-    #[must_use]
     pub fn has_lost(&self) -> bool {
         self.now.contains(&None)
     }
 
     /// New row of the body that was in `row` before; `None` if the body was removed.
-    #[must_use]
     pub fn now(&self, row: u32) -> Option<u32> {
         self.now.get(row as usize).copied().flatten()
     }
@@ -72,7 +67,6 @@ impl KeptRows {
     }
 
     /// Converts a table by former rows to one of `rows` new rows. New bodies get the default.
-    #[must_use]
     pub fn table<T: Copy + Default>(&self, before: &[T], rows: usize) -> Vec<T> {
         let mut table = vec![T::default(); rows];
         for (value, now) in before.iter().zip(&self.now) {
@@ -120,7 +114,6 @@ impl ContactHistory {
     }
 
     /// Memory of the pair (a, b); `None` if the pair carried nothing.
-    #[must_use]
     pub fn get(&self, a: u32, b: u32) -> Option<&ContactMemory> {
         self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
     }

@@ -15,7 +15,6 @@ impl Domain {
     }
 
     /// Whether a value is finite and in the domain. NaN is in none.
-    #[must_use]
     pub fn has(&self, value: f64) -> bool {
         value.is_finite() && (self.contains)(value)
     }

@@ -54,20 +54,17 @@ pub struct Energies {
 
 impl Energies {
     /// Error of the balance: supplied energy minus all the terms that receive it.
-    #[must_use]
     pub fn error(&self) -> f64 {
         let [external, gravity, exchange, received @ ..] = self.to_array();
         external + gravity + exchange - received.iter().sum::<f64>()
     }
 
     /// Sum of the absolute values of all terms, to which the error is compared.
-    #[must_use]
     pub fn throughput(&self) -> f64 {
         self.to_array().iter().map(|e| e.abs()).sum()
     }
 
     /// All terms, J, in the order of the fields.
-    #[must_use]
     pub fn to_array(&self) -> [f64; 13] {
         let mut terms = *self;
         terms.terms_mut().map(|term| *term)

@@ -104,7 +104,6 @@ impl Sliding {
     pub const BOUND: f64 = 1e-4;
 
     /// The bound of a scene: [`BOUND`](Self::BOUND), or the residual that it accepts if that is greater.
-    #[must_use]
     pub fn bound(acceptance: &Acceptance) -> f64 {
         acceptance.residual.max(Self::BOUND)
     }
@@ -189,14 +188,12 @@ impl Guesses {
 
 impl Corrections {
     /// The correction of a pair, if it has one.
-    #[must_use]
     pub fn of(&self, pair: (u32, u32)) -> Option<&Correction> {
         self.list.binary_search_by_key(&pair, |c| c.pair).ok().map(|k| &self.list[k])
     }
 
     /// What the corrections add to the offset of a contact, m: by the geometry about the end, and the
     /// [lag](Correction::lag).
-    #[must_use]
     pub fn shift(&self, contact: &Contact) -> [f64; 2] {
         let of = self.of((contact.a, contact.b));
         of.map_or([0.0; 2], |c| [c.offset - contact.gap, c.lag])
@@ -204,7 +201,6 @@ impl Corrections {
 
     /// Force that the geometry about the end adds to the initial shear force of an interaction, N. `compliance`
     /// is the tangential compliance in the program, m/N.
-    #[must_use]
     pub fn shear_shift(&self, pair: (u32, u32), compliance: f64) -> f64 {
         match self.of(pair) {
             Some(c) if compliance > 0.0 => c.slip / compliance,
@@ -256,13 +252,11 @@ pub struct Reached {
 
 impl Reached {
     /// The closing speed of a pair, m/s, if it is reached.
-    #[must_use]
     pub fn speed(&self, pair: (u32, u32)) -> Option<f64> {
         self.pairs.binary_search_by_key(&pair, |(pair, _)| *pair).ok().map(|k| self.pairs[k].1)
     }
 
     /// Factor of the restitution of a pair.
-    #[must_use]
     pub fn factor(&self, (a, b): (u32, u32)) -> f64 {
         let of = |body: u32| self.factors.get(body as usize).copied().unwrap_or(1.0);
         of(a).min(of(b))

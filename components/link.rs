@@ -52,21 +52,18 @@ impl Link {
     ///
     /// An entity that is no particle and no wall, and an entity with itself, are refused by Bevy's
     /// error handler, which panics unless the app sets another one.
-    #[must_use]
     pub fn hinge(a: Entity, b: Entity, point: DVec2) -> LinkBetween {
         LinkBetween { bodies: [a, b], points: [point; 2], is_hinge: true, compliance: 0.0 }
     }
 
     /// A rod between a point of each body, m, which are apart: their distance stays. Inserted like a
     /// [`hinge`](Self::hinge).
-    #[must_use]
     pub fn rod(bodies: [Entity; 2], points: [DVec2; 2]) -> LinkBetween {
         LinkBetween { bodies, points, is_hinge: false, compliance: 0.0 }
     }
 
     /// A spring of this stiffness, N/m, between a point of each body, m; it carries no force where
     /// they are now. Inserted like a [`hinge`](Self::hinge).
-    #[must_use]
     pub fn spring(bodies: [Entity; 2], points: [DVec2; 2], stiffness: f64) -> LinkBetween {
         LinkBetween { compliance: 1.0 / stiffness, ..Self::rod(bodies, points) }
     }

@@ -54,7 +54,6 @@ impl TrialLoads {
     }
 
     /// Whether no load was added.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.added.is_empty()
     }
@@ -62,7 +61,6 @@ impl TrialLoads {
     /// Sums by row of `bodies` and degree of freedom. A load on a body that is not in the table
     /// has no row here; it halts the world. Contributions are sorted before they are summed, because a sum of floating-point
     /// numbers depends on its order.
-    #[must_use]
     pub fn sums(&self, bodies: &BodyTable) -> Vec<[AddedLoad; 3]> {
         let mut sorted = self.added.clone();
         sorted.sort_by(|(a, k, x), (b, l, y)| {

@@ -28,7 +28,6 @@ pub struct ContactLaw {
 impl ContactLaw {
     /// Law between two different materials if the scene names none: the mean compliances, the
     /// smaller friction and the smaller restitution.
-    #[must_use]
     pub fn between(self, other: Self) -> Self {
         Self {
             normal_compliance: 0.5 * (self.normal_compliance + other.normal_compliance),
@@ -41,7 +40,6 @@ impl ContactLaw {
     }
 
     /// Law without compliance, friction, rolling resistance and restitution.
-    #[must_use]
     pub fn rigid_frictionless() -> Self {
         Self::default()
     }
@@ -72,7 +70,6 @@ pub struct BondLaw {
 impl BondLaw {
     /// Law of a bond between two different materials: the mean compliances, the smaller value of each
     /// strength.
-    #[must_use]
     pub fn between(self, other: Self) -> Self {
         Self {
             normal_compliance: 0.5 * (self.normal_compliance + other.normal_compliance),
@@ -86,7 +83,6 @@ impl BondLaw {
     }
 
     /// The law with the compliances of a contact where it has none.
-    #[must_use]
     pub fn on(self, contact: &ContactLaw) -> Self {
         let or = |own: f64, of_contact: f64| if own > 0.0 { own } else { of_contact };
         Self {
@@ -123,7 +119,6 @@ impl Materials {
     ///
     /// # Panics
     /// If a particle has an index beyond the last material.
-    #[must_use]
     pub fn contact(&self, a: u32, b: u32) -> ContactLaw {
         if self.0.is_empty() {
             return ContactLaw::rigid_frictionless();

@@ -156,7 +156,6 @@ pub enum Modes {
 
 impl Modes {
     /// Their places in a table by [`RuptureMode`](crate::bond::RuptureMode).
-    #[must_use]
     pub fn places(self) -> Range<usize> {
         match self {
             Self::All => 0..3,
@@ -182,7 +181,6 @@ pub enum GroupAlong {
 
 impl<W, P, G> Quantity<W, P, G> {
     /// Unit of the readings; empty for a pure number, and for the value of a plugin.
-    #[must_use]
     pub fn unit(&self) -> &'static str {
         match self {
             Self::Stress(_) | Self::Ring { value: RingValue::Support, .. } => "Pa",

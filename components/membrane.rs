@@ -26,7 +26,6 @@ pub struct Membrane {
 
 impl Membrane {
     /// Pressure over the next whole increment, Pa.
-    #[must_use]
     pub fn ramp(&self, progress: &ClasticProgress) -> Ramp {
         progress.ramp(self.pressure.0, self.pressure.1)
     }
@@ -86,14 +85,12 @@ impl MembraneShape {
     /// Area that the chains enclose, together with the two walls if they are open, m^2. It runs
     /// through the centres of the grains, on which the pressure acts: its work is that of the
     /// pressure on the change of this area. `None` if only one side is covered.
-    #[must_use]
     pub fn area(&self) -> Option<f64> {
         self.area_within(self.chains.iter().flat_map(|chain| &chain.points).copied().collect())
     }
 
     /// Area within the outer points of the chains ([`Chain::outer_points`]), m^2: the area of the
     /// specimen with its outermost grains. `None` if only one side is covered.
-    #[must_use]
     pub fn outer_area(&self) -> Option<f64> {
         self.area_within(self.chains.iter().flat_map(Chain::outer_points).collect())
     }
@@ -114,21 +111,18 @@ impl MembraneShape {
 
     /// Mean width, m: area over the distance of the two walls. `None` unless both sides are
     /// covered.
-    #[must_use]
     pub fn width(&self) -> Option<f64> {
         self.area().filter(|_| self.height > 0.0).map(|area| area / self.height)
     }
 
     /// Mean width with the outermost grains, m: outer area over the distance of the two walls.
     /// `None` unless both sides are covered.
-    #[must_use]
     pub fn outer_width(&self) -> Option<f64> {
         self.outer_area().filter(|_| self.height > 0.0).map(|area| area / self.height)
     }
 
     /// Distance between the feet of the two chains on one of the two walls, m. `None` unless both
     /// sides are covered, and for any other body.
-    #[must_use]
     pub fn base(&self, wall: BodyId) -> Option<f64> {
         let [one, other] = self.chains.as_slice() else { return None };
         let foot = |chain: &Chain| {
@@ -139,7 +133,6 @@ impl MembraneShape {
     }
 
     /// Unit vector along the first wall, in either direction. `None` if the membrane is closed.
-    #[must_use]
     pub fn along(&self) -> Option<DVec2> {
         let chain = self.chains.first().filter(|chain| !chain.closed)?;
         let [foot, grain, ..] = chain.points.as_slice() else { return None };
@@ -168,7 +161,6 @@ impl MembraneShape {
     }
 
     /// Number of grains in the chains. A grain that a chain passes twice counts once.
-    #[must_use]
     pub fn grains(&self) -> usize {
         self.ids().len()
     }
@@ -214,7 +206,6 @@ impl Chain {
 
     /// Shares of the force of a link (a, b) that act on its two ends: half each. A wall takes
     /// nothing, and the grain beside it all.
-    #[must_use]
     pub fn shares(&self, a: usize, b: usize) -> [f64; 2] {
         let is_wall = |end: usize| !self.closed && (end == 0 || end + 1 == self.points.len());
         match (is_wall(a), is_wall(b)) {
@@ -227,7 +218,6 @@ impl Chain {
     /// The outer points: of each grain the point of its surface that the resultant of the pressure
     /// on it meets, a radius from the centre against the direction of that force; and of a wall the
     /// foot of the perpendicular from the next one. A grain on which no force acts has its centre.
-    #[must_use]
     pub fn outer_points(&self) -> Vec<DVec2> {
         let mut ways = vec![DVec2::ZERO; self.points.len()];
         for (a, b) in self.links() {

@@ -49,13 +49,11 @@ pub struct Motion {
 
 impl Motion {
     /// Duration of a step, in units in which the relative mass times k_0 is a mass.
-    #[must_use]
     pub fn dt(&self) -> f64 {
         self.weight.sqrt().recip()
     }
 
     /// Weight (N/m; N m) and reference displacement (m; rad) of degree of freedom `k` of a body.
-    #[must_use]
     pub fn inertia(&self, body: usize, k: usize) -> (f64, f64) {
         let mass = self.masses[body][usize::from(k == 2)];
         (mass * self.weight * self.stiffness, self.velocities[body][k] * self.dt())

@@ -40,7 +40,6 @@ pub struct Particle {
 
 impl Particle {
     /// A homogeneous disk of the given radius (m), density (kg/m^3) and thickness (m).
-    #[must_use]
     pub fn disk(radius: f64, density: f64, thickness: f64) -> Self {
         let mass = density * std::f64::consts::PI * radius * radius * thickness;
         let inertia = 0.5 * mass * radius * radius;

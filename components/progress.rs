@@ -59,7 +59,6 @@ impl Default for ClasticProgress {
 
 impl ClasticProgress {
     /// Whether the stage is over: all its increments are done, and no avalanche is under way.
-    #[must_use]
     pub fn is_over(&self) -> bool {
         self.done >= self.total && !self.relaxing
     }
@@ -69,7 +68,6 @@ impl ClasticProgress {
     /// exactly. The ramp goes on beyond the end of the stage where only a part of the last increment
     /// is left: fractions are of whole increments. After the stage the load stays where it is.
     /// Without a stage, `total` is 0, and the load is at its target from the first increment on.
-    #[must_use]
     pub fn ramp(&self, from: f64, to: f64) -> Ramp {
         if !self.course.is_empty() {
             return self.next(|done| {
@@ -89,7 +87,6 @@ impl ClasticProgress {
 
     /// The ramp, over the next whole increment, of a value that is known where whole increments are
     /// done. Within an increment it is linear, so that parts of it add up to the whole.
-    #[must_use]
     pub fn next(&self, after: impl Fn(f64) -> f64) -> Ramp {
         let whole = (self.done + 1e-9).floor();
         let (from, to) = (after(whole), after(whole + 1.0));
@@ -99,7 +96,6 @@ impl ClasticProgress {
 
     /// The part of the stage that is over when `done` of its increments are: `done/total`, at most
     /// 1. It is 1 after the stage, and without a stage.
-    #[must_use]
     pub fn part(&self, done: f64) -> f64 {
         if done < self.total { done / self.total } else { 1.0 }
     }
@@ -107,7 +103,6 @@ impl ClasticProgress {
     /// What is left of the whole increment under way. It does not reach beyond the end of the
     /// stage: an avalanche after the last increment of a stage has 0 left. After the stage, and
     /// without one, increments go on.
-    #[must_use]
     pub fn left_of_increment(&self) -> f64 {
         let whole = 1.0 - self.done.fract();
         let of_stage = self.total - self.done;
@@ -119,7 +114,6 @@ impl ClasticProgress {
     /// another target. With `s = done/total` it starts at `(now - target s)/(1 - s)`. After the
     /// stage, without one, and on a [`course`](Self::course), the load is at the new target from the
     /// next increment on.
-    #[must_use]
     pub fn retarget(&self, from: f64, to: f64, target: f64) -> (f64, f64) {
         let s = self.part(self.done);
         let now = self.ramp(from, to).from;
@@ -132,7 +126,6 @@ impl ClasticProgress {
 
 /// Value `k` at s of points (s, values): linear between them, constant before the first and after
 /// the last.
-#[must_use]
 pub fn value_at<const N: usize>(points: &[[f64; N]], s: f64, k: usize) -> f64 {
     let next = points.partition_point(|point| point[0] <= s);
     match (next.checked_sub(1).map(|last| &points[last]), points.get(next)) {

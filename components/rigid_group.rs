@@ -72,7 +72,6 @@ pub struct GroupRow {
 impl GroupRow {
     /// Displacement (m, m, rad) of a member at `lever` (m) from the centre, by a finite rotation
     /// about the centre: `u + (R - 1) lever`.
-    #[must_use]
     pub fn carried(u: [f64; 3], lever: DVec2) -> [f64; 3] {
         // 1 - cos = 2 sin^2(alpha/2), without cancellation.
         let half = (0.5 * u[2]).sin();
@@ -81,14 +80,12 @@ impl GroupRow {
     }
 
     /// Displacement of a member to first order in the rotation, which is that of the cone program.
-    #[must_use]
     pub fn carried_linearly(u: [f64; 3], lever: DVec2) -> [f64; 3] {
         let turned = u[2] * lever.perp();
         [u[0] + turned.x, u[1] + turned.y, u[2]]
     }
 
     /// Mass of degree of freedom `k`: kg, or kg m^2 of the rotation.
-    #[must_use]
     pub fn mass_of(&self, k: usize) -> f64 {
         if k < 2 { self.mass } else { self.inertia }
     }

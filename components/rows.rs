@@ -30,13 +30,11 @@ pub struct WallRow {
 impl WallRow {
     /// The point of the wall that is nearest to `place`, with the wall at `position`, m.
     #[inline]
-    #[must_use]
     pub fn nearest(&self, position: DVec2, place: DVec2) -> Nearest {
         self.shape.nearest(self.inward, self.half_length, place - position)
     }
 
     /// The wall turned about its position by an angle, rad.
-    #[must_use]
     pub fn turned(&self, angle: f64) -> Self {
         if angle == 0.0 {
             return *self;
@@ -46,7 +44,6 @@ impl WallRow {
     }
 
     /// No drawn point of the wall is further from its position, m.
-    #[must_use]
     pub fn extent(&self) -> f64 {
         match self.shape {
             WallShape::Arc { centre, radius, .. } => centre.length() + radius,
@@ -55,13 +52,11 @@ impl WallRow {
     }
 
     /// Unit vector from the start to the end of the drawn segment.
-    #[must_use]
     pub fn tangent(&self) -> DVec2 {
         -self.inward.perp()
     }
 
     /// Whether the wall is an infinite line.
-    #[must_use]
     pub fn is_line(&self) -> bool {
         matches!(self.shape, WallShape::Line)
     }

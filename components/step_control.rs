@@ -37,7 +37,6 @@ impl StepControl {
     const FIRST: f64 = 0.125;
 
     /// At the start of a stage.
-    #[must_use]
     pub fn new(accuracy: f64) -> Self {
         Self { accuracy, step: Self::FIRST, error: None, unchecked: 0, whole: None }
     }

@@ -31,7 +31,6 @@ impl Wall {
     ///
     /// # Panics
     /// If the points are one point or not finite, because the wall then has no direction.
-    #[must_use]
     pub fn between(start: DVec2, end: DVec2) -> (Self, BodyPosition) {
         let Some(tangent) = (end - start).try_normalize() else {
             panic!("a wall from {start} to {end} has no direction; give it two different ends")
@@ -41,13 +40,11 @@ impl Wall {
     }
 
     /// Unit normal that points into the specimen.
-    #[must_use]
     pub fn inward(&self) -> DVec2 {
         self.tangent.perp()
     }
 
     /// The wall turned about its position. `by` is the unit vector (cos, sin) of the angle.
-    #[must_use]
     pub fn turned(&self, by: DVec2) -> Self {
         Self { tangent: by.rotate(self.tangent).normalize(), ..*self }
     }
@@ -116,7 +113,6 @@ pub enum WallControl {
 
 impl WallControl {
     /// Whether the load on the wall changes over the stage.
-    #[must_use]
     pub fn is_ramp(&self) -> bool {
         match self {
             Self::Force { from, to } | Self::Stress { from, to, .. } => from != to,
@@ -136,7 +132,6 @@ impl WallControl {
 
     /// Changes the value at the end of the stage and keeps the current value
     /// ([`ClasticProgress::retarget`]). Controls without a load do not change.
-    #[must_use]
     pub fn retarget(mut self, progress: &ClasticProgress, target: f64) -> Self {
         if let Self::Force { from, to } | Self::Stress { from, to, .. } = &mut self {
             (*from, *to) = progress.retarget(*from, *to, target);
@@ -180,7 +175,6 @@ pub struct WallTable(pub Vec<[f64; 3]>);
 
 impl WallTable {
     /// Ramps of x and y over the whole increment after the `progress.done` that are done.
-    #[must_use]
     pub fn next(&self, progress: &ClasticProgress, dt: Option<f64>) -> [Ramp; 2] {
         let s = |n: f64| dt.map_or_else(|| progress.part(n), |dt| n * dt);
         [1, 2].map(|k| progress.next(|n| value_at(&self.0, s(n), k)))
@@ -228,7 +222,6 @@ pub enum WallDrive {
 
 impl WallDrive {
     /// Force along the inward normal, N; `None` if the motion along the normal is imposed.
-    #[must_use]
     pub fn load(&self) -> Option<Ramp> {
         match *self {
             Self::Imposed(_) | Self::Turning { .. } => None,
@@ -238,7 +231,6 @@ impl WallDrive {
 
     /// Imposed translation over the increment, m; zero where the wall turns. `tangent` is that of
     /// the wall.
-    #[must_use]
     pub fn imposed(&self, tangent: DVec2) -> DVec2 {
         match *self {
             Self::Imposed(u) => u,

@@ -62,7 +62,6 @@ impl WallShape {
     /// The point of the wall that is nearest to `place`, which is relative to the wall's position,
     /// m.
     #[inline]
-    #[must_use]
     pub fn nearest(&self, inward: DVec2, half_length: f64, place: DVec2) -> Nearest {
         match self {
             Self::Line => {
@@ -108,7 +107,6 @@ impl WallShape {
     /// Whether the straight segment between two places, relative to the wall, crosses it. Nothing
     /// crosses a line: on its outer side distances are negative.
     #[inline]
-    #[must_use]
     pub fn is_crossed(&self, inward: DVec2, half_length: f64, [start, finish]: [DVec2; 2]) -> bool {
         let way = finish - start;
         match self {
@@ -136,7 +134,6 @@ impl WallShape {
     }
 
     /// The shape turned about the wall's position. `by` is the unit vector (cos, sin) of the angle.
-    #[must_use]
     pub fn turned(self, by: DVec2) -> Self {
         let direction = |unit: DVec2| by.rotate(unit).normalize();
         match self {
@@ -148,7 +145,6 @@ impl WallShape {
     }
 
     /// Radius (m) and half the opening angle (rad) of an arc.
-    #[must_use]
     pub fn circle(&self) -> Option<(f64, f64)> {
         match self {
             Self::Arc { radius, half_angle, .. } => Some((*radius, *half_angle)),
@@ -157,7 +153,6 @@ impl WallShape {
     }
 
     /// The drawn line from start to end, as points relative to the wall's position, m.
-    #[must_use]
     pub fn outline(&self, wall: &Wall) -> Vec<DVec2> {
         let Self::Arc { centre, radius, axis, half_angle } = self else {
             let half = wall.tangent * wall.half_length;

@@ -79,7 +79,6 @@ impl Default for ClasticPlugins {
 
 impl ClasticPlugins {
     /// The app makes an increment whenever `schedule` runs.
-    #[must_use]
     pub fn new(schedule: impl ScheduleLabel) -> Self {
         Self { schedule: schedule.intern() }
     }

@@ -18,14 +18,12 @@ pub struct Laws<'a> {
 
 impl<'a> Laws<'a> {
     /// The laws of a world.
-    #[must_use]
     pub fn of(world: &'a World) -> Self {
         Self { bodies: world.resource(), materials: world.resource(), analysis: world.resource() }
     }
 
     /// Law of a contact in an increment: without friction in a compaction, and with the friction that
     /// an increment leaves.
-    #[must_use]
     pub fn contact(self, contact: &Contact) -> ContactLaw {
         if matches!(self.analysis.kind, AnalysisKind::Compaction { .. }) {
             return ContactLaw::rigid_frictionless();
@@ -38,7 +36,6 @@ impl<'a> Laws<'a> {
 }
 
 /// Law of a contact: that of the wall, or that of the two materials.
-#[must_use]
 pub fn law_of_pair(bodies: &BodyTable, materials: &Materials, contact: &Contact) -> ContactLaw {
     let (a, b) = (contact.a as usize, contact.b as usize);
     if b < bodies.particles {
@@ -49,7 +46,6 @@ pub fn law_of_pair(bodies: &BodyTable, materials: &Materials, contact: &Contact)
 
 /// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It
 /// is zero if the bond spanned a gap.
-#[must_use]
 pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
     if law.tangential_compliance <= 0.0 || law.normal_compliance <= 0.0 {
         return 0.0;
@@ -61,7 +57,6 @@ pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
 /// Initial rolling moment of a contact whose bond has broken: the part that its limit allows, with
 /// the common radius of its bodies (m). It is zero if the bond spanned a gap, or if the contact
 /// does not roll elastically.
-#[must_use]
 pub fn moment_after_rupture(tau: f64, gap: f64, radius: f64, law: &ContactLaw) -> f64 {
     if law.rolling_compliance <= 0.0 || law.normal_compliance <= 0.0 {
         return 0.0;

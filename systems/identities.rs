@@ -67,19 +67,16 @@ pub struct NextIdentities {
 
 impl IdentityTable {
     /// Entity of a body; `None` if the identity is not in use.
-    #[must_use]
     pub fn body(&self, id: BodyId) -> Option<Entity> {
         self.bodies.owners.get(&id.0).copied()
     }
 
     /// Entity of a bond; `None` if the identity is not in use.
-    #[must_use]
     pub fn bond(&self, id: BondId) -> Option<Entity> {
         self.bonds.owners.get(&id.0).copied()
     }
 
     /// The identities that the next body and the next bond get.
-    #[must_use]
     pub fn next(&self) -> NextIdentities {
         NextIdentities { body: self.bodies.next, bond: self.bonds.next }
     }

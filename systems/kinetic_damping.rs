@@ -11,7 +11,6 @@ use crate::motion_settings::MotionSettings;
 
 /// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen:
 /// it has the mass of all grains, as a group with walls does.
-#[must_use]
 pub fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
     let n = bodies.particles;
     let all = n.max(1) as f64;

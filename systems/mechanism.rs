@@ -25,7 +25,6 @@ pub(crate) fn takes_part(far: &[f64]) -> impl Fn(usize) -> bool + '_ {
 
 /// The reason for a collapse that a mechanism proves, with the body that moves most in it and the share
 /// of the specimen that moves; `None` if no mechanism proves it.
-#[must_use]
 pub fn proof(world: &World) -> Option<String> {
     let certificate = world.get_resource::<ConeSolution>()?.certificate.as_ref()?;
     let (bodies, program) =

@@ -115,7 +115,6 @@ pub struct State {
 impl State {
     /// Mass and motion about a pivot, or about the centre of mass. Velocity and spin have the
     /// linear momentum of the members and their angular momentum about the centre of mass.
-    #[must_use]
     pub fn of(members: impl Iterator<Item = Member> + Clone, about: Option<DVec2>) -> Self {
         let mass: f64 = members.clone().map(|m| m.mass).sum();
         // Particles without mass count alike.

@@ -24,7 +24,6 @@ pub type SolvedContact<'a> = (&'a Contact, &'a Interaction, &'a [f64; 3]);
 
 impl<'a> Solved<'a> {
     /// The tables of a world.
-    #[must_use]
     pub fn of(world: &'a World) -> Self {
         Self {
             bodies: world.resource(),
@@ -52,7 +51,6 @@ pub struct SolvedTables<'w> {
 
 impl SolvedTables<'_> {
     /// The tables.
-    #[must_use]
     pub fn get(&self) -> Solved<'_> {
         let Self { bodies, contacts, program, solution } = self;
         Solved { bodies, contacts, program, solution }

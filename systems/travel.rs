@@ -20,7 +20,6 @@ const WAY: f64 = 0.3;
 
 /// The grain with the maximum travel, and this travel in its radii. Grains whose whole translation is
 /// imposed have none.
-#[must_use]
 pub fn furthest(solved: Solved) -> Option<(usize, f64)> {
     let Solved { bodies, contacts, solution, .. } = solved;
     let imposed = maximum_imposed(bodies);

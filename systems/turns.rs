@@ -28,7 +28,6 @@ const LOADED: f64 = 1e-3;
 
 /// Which interactions carry load, in the order of the program: those with a force that counts. Moments
 /// are left out: where their contact turns they keep their axis.
-#[must_use]
 pub fn carrying(solution: &ConeSolution) -> Vec<bool> {
     let maximum = solution.forces.iter().map(size).fold(0.0, f64::max);
     solution.forces.iter().map(|f| size(f) > LOADED * maximum).collect()
@@ -44,7 +43,6 @@ const UNSUPPORTED: f64 = 5.0;
 
 /// The grain with the maximum turn, and this turn, rad: in the increment, or with `is_followed` from
 /// the normals of the program.
-#[must_use]
 pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
     let turns = if is_followed {
         of_grains(solved, &of_pairs(solved, |k| solved.program.interactions[k].normal))
@@ -56,7 +54,6 @@ pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
 
 /// The grain of [`furthest`], if its turn exceeds [`Acceptance::turn`], and this turn, rad. Passes have
 /// followed elastic bonds, which have no memory of the way.
-#[must_use]
 pub fn too_far(
     solved: Solved,
     acceptance: &Acceptance,
@@ -67,7 +64,6 @@ pub fn too_far(
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.
 /// Grains whose whole translation is imposed do not count.
-#[must_use]
 pub fn of_loaded(solved: Solved) -> f64 {
     let Solved { bodies, program, .. } = solved;
     let pairs = of_pairs(solved, |k| program.interactions[k].normal);
@@ -77,14 +73,12 @@ pub fn of_loaded(solved: Solved) -> f64 {
 
 /// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the
 /// specimen bends; where a contact turns, a grain jumps to other support.
-#[must_use]
 pub fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
     let is_bonded = bodies.bonds.iter().any(|bond| [bond.a, bond.b].contains(&(grain as u32)));
     is_bonded.then_some(turn)
 }
 
 /// Whether a solution moves grains so far that they lack support.
-#[must_use]
 pub fn is_unsupported(solved: Solved) -> bool {
     solved.solution.displacements.len() == solved.bodies.rows_in_program()
         && furthest(solved, false).is_some_and(|(_, turn)| turn > UNSUPPORTED)
@@ -94,7 +88,6 @@ pub fn is_unsupported(solved: Solved) -> bool {
 /// A grain without any has the minimum turn of its pairs, since it may lie on any of them. A grain
 /// without pairs, or whose whole translation is imposed, has none. A member of a rigid group turns by
 /// at least as much as the group.
-#[must_use]
 pub fn turns(solved: Solved) -> Vec<f64> {
     of_grains(solved, &of_pairs(solved, |k| solved.contacts.0[k].normal))
 }

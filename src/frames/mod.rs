@@ -160,7 +160,6 @@ pub struct FrameMembranes {
 
 impl FrameMembranes {
     /// Points of a chain, as places in the columns.
-    #[must_use]
     pub fn points(&self, chain: usize) -> std::ops::Range<usize> {
         self.first_point[chain] as usize..self.first_point[chain + 1] as usize
     }
@@ -168,21 +167,18 @@ impl FrameMembranes {
 
 impl Frame {
     /// Centre of the particle in a row, m.
-    #[must_use]
     pub fn centre(&self, row: usize) -> [f64; 2] {
         let [x, y] = self.bodies.offset_m[row];
         [self.origin_m[0] + f64::from(x), self.origin_m[1] + f64::from(y)]
     }
 
     /// Row of a particle; `None` if the identity is that of a wall or of nothing.
-    #[must_use]
     pub fn row(&self, id: u32) -> Option<usize> {
         self.bodies.id.binary_search(&id).ok()
     }
 
     /// Contact point of the pair in a row, the middle of the gap, m. A bond whose first body is
     /// not in the frame has none.
-    #[must_use]
     pub fn contact_point(&self, row: usize) -> Option<[f64; 2]> {
         let pairs = &self.pairs;
         let a = self.row(pairs.a[row])?;
@@ -193,7 +189,6 @@ impl Frame {
     }
 
     /// Points of the line of a wall, m.
-    #[must_use]
     pub fn wall_line(&self, wall: usize) -> &[[f64; 2]] {
         let first = &self.walls.first_point;
         &self.walls.point_m[first[wall] as usize..first[wall + 1] as usize]

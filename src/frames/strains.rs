@@ -22,7 +22,6 @@ pub struct Disk {
 
 impl Frame {
     /// The particles as strains need them.
-    #[must_use]
     pub fn disks(&self) -> Vec<Disk> {
         let bodies = &self.bodies;
         let disk = |row: usize| Disk {
@@ -49,7 +48,6 @@ pub struct Strain {
 /// symmetric part of its gradient. A disk has the mean of its triangles by area. Triangles with a
 /// side across a gap wider than the mean diameter bridge a void or the outline of the specimen and
 /// do not count; a disk without a triangle, or that was not there, has no strain.
-#[must_use]
 pub fn strains(now: &[Disk], from: &[Disk]) -> Vec<Option<Strain>> {
     let row = |disk: &Disk| from.binary_search_by_key(&disk.id, |disk| disk.id).ok();
     let before: Vec<Option<&Disk>> = now.iter().map(|disk| Some(&from[row(disk)?])).collect();

@@ -158,7 +158,6 @@ pub struct Row(String);
 
 impl Row {
     /// Adds a field.
-    #[must_use]
     pub fn with<'a>(mut self, field: impl Into<Field<'a>>) -> Self {
         // Every field ends with a comma. Writing to a string cannot fail.
         let _ = write!(self.0, "{},", field.into());
@@ -166,13 +165,11 @@ impl Row {
     }
 
     /// Adds several fields.
-    #[must_use]
     pub fn and<'a>(self, fields: impl IntoIterator<Item: Into<Field<'a>>>) -> Self {
         fields.into_iter().fold(self, Self::with)
     }
 
     /// The row as a line of text.
-    #[must_use]
     pub fn line(mut self) -> String {
         // The last comma becomes the end of the line.
         self.0.pop();

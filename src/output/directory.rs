@@ -49,13 +49,11 @@ const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, R
 pub(super) const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];
 
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
-#[must_use]
 pub fn default_directory(scene: &Path) -> PathBuf {
     Path::new("runs").join(scene.file_stem().unwrap_or("scene".as_ref()))
 }
 
 /// Path of a dumped program.
-#[must_use]
 pub fn program(directory: &Path, increment: u64) -> PathBuf {
     directory.join(format!("program_{increment:06}.json"))
 }
@@ -97,7 +95,6 @@ pub(crate) fn open_lock(path: &Path) -> Result<File, OutputError> {
 }
 
 /// Locks a file while it is open. Returns whether it was unlocked.
-#[must_use]
 pub fn lock(file: &File) -> bool {
     // On a file system without locks no other run can hold one.
     !matches!(file.try_lock(), Err(TryLockError::WouldBlock))

@@ -29,7 +29,6 @@ impl Drive {
     /// The probes that drive the test along the axis with the most work, in the order of the
     /// history. Preparation does not count: it moves probes further, and its forces have no
     /// meaning.
-    #[must_use]
     pub fn all(history: &History) -> Vec<Self> {
         let probes = history.probes();
         let along = |(motion, force, _): (&str, &str, _), probe: &str| {
@@ -44,13 +43,11 @@ impl Drive {
     }
 
     /// The probe on which the most work is done; `None` if no work is done on any.
-    #[must_use]
     pub fn first(history: &History) -> Option<Self> {
         Self::most(&Self::all(history)).cloned()
     }
 
     /// The drive with the most work; ties go to the first.
-    #[must_use]
     pub fn most(drives: &[Self]) -> Option<&Self> {
         let of = |drive: &Self| work(&drive.points);
         drives.iter().reduce(|a, b| if of(b) > of(a) { b } else { a })
@@ -72,13 +69,11 @@ impl Drive {
     }
 
     /// Whether motion is rotation, and force moment.
-    #[must_use]
     pub fn turns(&self) -> bool {
         self.direction.ends_with("clockwise")
     }
 
     /// The first point with the maximum force; `None` if no force resists the motion.
-    #[must_use]
     pub fn peak(&self) -> Option<TestPoint> {
         let higher = |a: TestPoint, b: TestPoint| if b.force > a.force { b } else { a };
         self.points.iter().copied().reduce(higher).filter(|peak| peak.force > 0.0)
@@ -123,7 +118,6 @@ pub enum Peak {
 impl PeakForce {
     /// The peak of a history; `None` if nothing drives the test, or if no force above `least` resists
     /// (N, and N m of a probe that turns).
-    #[must_use]
     pub fn of(history: &History, least: [f64; 2]) -> Option<Self> {
         let drive = Drive::first(history)?;
         let turns = drive.turns();
@@ -137,7 +131,6 @@ impl PeakForce {
     }
 
     /// The peak in a line.
-    #[must_use]
     pub fn line(&self) -> String {
         let of = match self.at {
             Peak::Moves { force_n, displacement_m } => {

@@ -58,7 +58,6 @@ impl Particles<'_, '_> {
 
 /// The particles as a stored specimen. Materials are named only if there are several. A scene that
 /// reads the file can then give its only material any name.
-#[must_use]
 pub fn specimen_rows(bodies: &BodyTable, materials: &Materials) -> Vec<StoredParticle> {
     let name = |i: usize| materials.0.get(bodies.materials[i] as usize).map(|m| m.name.clone());
     (0..bodies.particles)

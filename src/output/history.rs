@@ -93,7 +93,6 @@ pub fn has_column(name: &str) -> bool {
 
 /// Names of the rigid groups of a scene: those from the start, then in the order of the stages that
 /// make them.
-#[must_use]
 pub fn rigid_groups(scene: &Scene) -> Vec<String> {
     let of_stages = scene.stages.iter().filter_map(Stage::load).flat_map(|load| &load.rigid);
     let made = of_stages.filter(|(_, control)| control.makes()).map(|(name, _)| name);
@@ -102,7 +101,6 @@ pub fn rigid_groups(scene: &Scene) -> Vec<String> {
 }
 
 /// Names of a scene's probes: particles by index, then walls, then rigid groups.
-#[must_use]
 pub fn probes(scene: &Scene) -> Vec<String> {
     let particles = match &scene.specimen {
         Specimen::Particles(list) => list.as_slice(),
@@ -125,7 +123,6 @@ fn header(probes: &[String]) -> Vec<String> {
 
 /// All columns of the history of a scene, the last of which are its measures beside the axial and
 /// lateral ones.
-#[must_use]
 pub fn columns(scene: &Scene) -> Vec<String> {
     let mut header = header(&probes(scene));
     if scene.output.energy {
@@ -137,7 +134,6 @@ pub fn columns(scene: &Scene) -> Vec<String> {
 
 /// The row of the last increment of a world: its values of [`columns`]. `probes` are those of the
 /// scene.
-#[must_use]
 pub fn last_row(world: &World, probes: &[String]) -> Row {
     row(world.resource(), world.get_resource(), world.resource(), probes)
 }

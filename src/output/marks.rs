@@ -9,7 +9,6 @@ const CAPPED: f64 = 0.01;
 
 /// Marks of a run by its `run.json`: how it ended if not as planned, capped increments above 1 %,
 /// and an estimated error of the peak above 2 %. Empty for a run that can be trusted.
-#[must_use]
 pub fn marks(record: &Value) -> Vec<String> {
     let mut marks = Vec::new();
     match record["outcome"]["status"].as_str() {

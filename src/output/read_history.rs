@@ -69,7 +69,6 @@ impl History {
 
     /// States how many increments the run has made by itself. Increments count over all runs that
     /// led here, as they do for a scene that starts from a saved state.
-    #[must_use]
     pub fn after(self, made: u64) -> Self {
         let last = self.column("increment").into_iter().flatten().fold(0.0, f64::max);
         Self { is_continued: last > made as f64, ..self }
@@ -100,7 +99,6 @@ impl History {
     }
 
     /// A column; empty if the history does not have it.
-    #[must_use]
     pub fn column(&self, name: &str) -> Vec<Option<f64>> {
         let Some(k) = self.names.iter().position(|n| n == name) else { return Vec::new() };
         self.rows.iter().map(|row| row.get(k).copied().flatten()).collect()
@@ -110,7 +108,6 @@ impl History {
     /// is 0. The value there is that of the row before the first strain, or 0 if that row has no
     /// value or does not exist. The initial state of a run that starts from a saved state is not in
     /// its history.
-    #[must_use]
     pub fn curve(&self, column: &str) -> Vec<(f64, f64)> {
         let (strains, values) = (self.column("axial_strain"), self.column(column));
         let pairs = strains.iter().zip(&values);
@@ -131,7 +128,6 @@ impl History {
     /// in which the displacement is 0. Before the first row of a run forces are 0. The state before
     /// a run that starts from a saved state is not in its history: its displacements are not
     /// shifted. `motion` and `force` are columns of the probe without its name.
-    #[must_use]
     pub fn of_test(&self, probe: &str, [motion, force]: [&str; 2]) -> Vec<TestPoint> {
         let increments = self.column("increment");
         let of = |column: &str| self.column(&format!("{probe}{column}")).into_iter();
@@ -157,7 +153,6 @@ impl History {
     }
 
     /// Names of the probes.
-    #[must_use]
     pub fn probes(&self) -> Vec<&str> {
         self.names.iter().filter_map(|name| name.strip_suffix(PROBE_COLUMNS[0].0)).collect()
     }

@@ -139,7 +139,6 @@ pub struct OutcomeRecord {
 
 impl OutcomeRecord {
     /// Outcome of a run whose last stage and increment are given.
-    #[must_use]
     pub fn new(ending: &Ending, stage: String, increment: u64) -> Self {
         let at = |status, stage, increment, message: Option<String>| Self {
             status,
@@ -188,7 +187,6 @@ const CONVENTIONS: [(&str, &str); 5] = [
 
 impl RunRecord {
     /// Record of a run that has not ended.
-    #[must_use]
     pub fn new(loaded: &LoadedScene, facts: &RunFacts) -> Self {
         let scene = &loaded.scene;
         let reference_stage = scene.stages.get(scene.reference_stage()).map_or("", Stage::name);
@@ -253,7 +251,6 @@ impl RunRecord {
 }
 
 /// SHA-256 hash of some bytes, in hexadecimal digits.
-#[must_use]
 pub fn sha256(bytes: &[u8]) -> String {
     hexadecimal(&Sha256::digest(bytes))
 }

@@ -16,7 +16,6 @@ use crate::scene::format::{CellTarget, Load, Scene, Stage};
 
 /// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a
 /// reason.
-#[must_use]
 pub fn refused(old: &Scene, new: &Scene, state: &StateView) -> Vec<String> {
     let mut refused = Vec::new();
     let mut fixed = |field: &str, same: bool, why: &str| {

@@ -16,7 +16,6 @@ fn place(world: &World, name: &str) -> Option<usize> {
 }
 
 /// Reading of a measure of the scene after the last increment; `None` if it is not defined.
-#[must_use]
 pub fn reading(world: &World, name: &str) -> Option<f64> {
     let observation = world.resource::<Observation>();
     match name {

@@ -12,7 +12,6 @@ use crate::scene::specimen_file::StoredSpecimen;
 
 /// Particles of a scene in the order of identities: those of its specimen that `keep` selects, with
 /// the materials that `minerals` gives them. Both select from the uncut specimen.
-#[must_use]
 pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle> {
     let mut seeds = particles(&scene.specimen, stored);
     if stored.is_some_and(StoredSpecimen::is_resumed) {

@@ -92,14 +92,12 @@ pub struct Simulation {
 impl Simulation {
     /// A world with the particles, walls and explicit bonds of the scene, before its first stage.
     /// `stored` is the content of the specimen file, if the scene names one.
-    #[must_use]
     pub fn new(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         Self::with_plugins(scene, stored, ())
     }
 
     /// A world as [`new`](Self::new) makes it, with plugins of your own, which may provide stages
     /// and state.
-    #[must_use]
     pub fn with_plugins<M>(
         scene: &Scene,
         stored: Option<&StoredSpecimen>,
@@ -110,7 +108,6 @@ impl Simulation {
 
     /// Adds the scene to an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your
     /// own.
-    #[must_use]
     pub fn in_app(mut app: App, scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         spawn::spawn_scene(app.world_mut(), scene, stored);
         Self { app }
@@ -173,7 +170,6 @@ impl Simulation {
     }
 
     /// The world.
-    #[must_use]
     pub fn world(&self) -> &World {
         self.app.world()
     }

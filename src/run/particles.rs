@@ -24,7 +24,6 @@ fn at_rest(position: DVec2, radius: f64, material: Option<&String>) -> Particle 
 }
 
 /// Particles of a specimen in the order of identities.
-#[must_use]
 pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Particle> {
     match specimen {
         Specimen::Particles(list) => list.clone(),

@@ -31,7 +31,6 @@ impl Provided {
     }
 
     /// Why a stage of a scene cannot begin; `None` if plugins provide all that it needs.
-    #[must_use]
     pub fn refusal(&self, scene: &scene::Scene, stage: &scene::Stage) -> Option<String> {
         if let scene::Stage::Custom(scene::CustomStage { kind, .. }) = stage
             && !self.stages.contains(kind.as_str())

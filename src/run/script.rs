@@ -96,7 +96,6 @@ impl StageEnd {
     /// the value on which it should land, about stop conditions that never held, about grains
     /// that have not come, and about particles that are set aside; `None` if the stage has none of
     /// them.
-    #[must_use]
     pub fn warning(&self) -> Option<String> {
         let Self { rows, capped, unbalanced, .. } = self;
         let stage = label(&self.stage);
@@ -160,19 +159,16 @@ pub enum EndedBy {
 
 impl Script {
     /// Script of a scene before its first stage.
-    #[must_use]
     pub fn new(scene: &Scene) -> Self {
         Self { scene: scene.clone(), state: ScriptState::default(), outcome: None, stop: false }
     }
 
     /// The stage at an index; `None` past the last one.
-    #[must_use]
     pub fn stage(&self, index: usize) -> Option<&Stage> {
         self.scene.stages.get(index)
     }
 
     /// Index of the stage at whose start strains are zero.
-    #[must_use]
     pub fn reference_stage(&self) -> usize {
         self.scene.reference_stage()
     }

@@ -212,7 +212,6 @@ impl StateView {
 
     /// Whether the current stage has begun and may go on. After its last increment it goes on if it
     /// gets more of them.
-    #[must_use]
     pub fn is_within_stage(&self) -> bool {
         self.begun && !self.ended
     }

@@ -32,7 +32,6 @@ pub struct LoadedScene {
 
 impl LoadedScene {
     /// File of the stored specimen or saved state that the scene names.
-    #[must_use]
     pub fn specimen_file(&self) -> Option<PathBuf> {
         match &self.scene.specimen {
             Specimen::File { path, .. } | Specimen::State { path, .. } => {

@@ -38,7 +38,6 @@ pub struct Need {
 
 impl Need {
     /// Requirements of a scene with the stored specimen that it names.
-    #[must_use]
     pub fn of(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         let first = particles(&scene.specimen, stored);
         let poured: f64 = scene.stages.iter().map(|stage| poured(scene, stage)).sum();
@@ -69,7 +68,6 @@ impl Need {
 }
 
 /// Bytes in a suitable unit.
-#[must_use]
 pub fn size(bytes: f64) -> String {
     let (unit, size) = match bytes {
         b if b >= 1e18 => return format!("{b:.0e} bytes"),

@@ -49,7 +49,6 @@ macro_rules! values {
 
         impl Data {
             /// Name of the type in numpy.
-            #[must_use]
             pub fn name(&self) -> &'static str {
                 match self { $(Self::$variant(_) => $name),* }
             }
@@ -71,21 +70,18 @@ pub struct Array {
 
 impl Array {
     /// A column of values.
-    #[must_use]
     pub fn column<T: Value>(values: impl IntoIterator<Item = T>) -> Self {
         let values: Vec<T> = values.into_iter().collect();
         Self { shape: vec![values.len()], data: T::data(values) }
     }
 
     /// A table with `N` values a row.
-    #[must_use]
     pub fn vectors<T: Value, const N: usize>(rows: impl IntoIterator<Item = [T; N]>) -> Self {
         let values: Vec<T> = rows.into_iter().flatten().collect();
         Self { shape: vec![values.len() / N, N], data: T::data(values) }
     }
 
     /// A single value.
-    #[must_use]
     pub fn single<T: Value>(value: T) -> Self {
         Self { shape: Vec::new(), data: T::data(vec![value]) }
     }

@@ -76,7 +76,6 @@ pub struct Forced {
 
 /// The contact with the maximum overlap that the known motions of its bodies impose; `None` if no
 /// contact is forced into overlap.
-#[must_use]
 pub fn forced(program: &ConeProgram) -> Option<Forced> {
     let round_off = ROUND_OFF * program.scales.length;
     let pairs = program.interactions.iter().filter_map(|c| {

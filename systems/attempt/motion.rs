@@ -104,7 +104,6 @@ fn aimed(acceptance: &Acceptance) -> f64 {
 }
 
 /// Whether the increment has a step of a motion left.
-#[must_use]
 pub fn has_step(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSettings) -> bool {
     let motion = attempt.motion();
     let released = attempt.released_steps;
@@ -118,7 +117,6 @@ pub fn has_step(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSet
 }
 
 /// Whether another motion may begin.
-#[must_use]
 pub fn may_begin(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSettings) -> bool {
     attempt.motions < settings.max_motions && has_step(attempt, acceptance, settings)
 }

@@ -52,7 +52,6 @@ pub enum Next {
 }
 
 /// The next action after a verdict.
-#[must_use]
 pub fn next(mode: &Mode, verdict: &Verdict, budget: Budget) -> Next {
     match mode {
         Mode::Equilibrium(effort) => after_equilibrium(*effort, verdict, budget),

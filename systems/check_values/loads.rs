@@ -6,7 +6,6 @@ use clastic_components::loads::TrialLoads;
 use super::bad::{Bad, finite, not_negative};
 
 /// Why the loads of a trial are refused; `None` if they are not.
-#[must_use]
 pub(crate) fn refused_load(loads: &TrialLoads, bodies: &BodyTable) -> Option<String> {
     loads.iter().find_map(|(id, k, load)| {
         let Some(row) = bodies.row(id) else {

@@ -8,14 +8,12 @@ pub struct Adjacency {
 
 impl Adjacency {
     /// The interactions of every body, ascending: interaction k joins the k-th pair of bodies.
-    #[must_use]
     pub fn new(bodies: usize, pairs: impl Iterator<Item = [usize; 2]> + Clone) -> Self {
         let numbered = pairs.enumerate().flat_map(|(k, [a, b])| [(a, k), (b, k)]);
         Self::collect(bodies, numbered)
     }
 
     /// The neighbours of every body, ascending and each of them once.
-    #[must_use]
     pub fn of_neighbours(bodies: usize, pairs: &[(u32, u32)]) -> Self {
         let pairs = pairs.iter().map(|(a, b)| (*a as usize, *b as usize));
         let mut both: Vec<_> = pairs.flat_map(|(a, b)| [(a, b), (b, a)]).collect();
@@ -46,25 +44,21 @@ impl Adjacency {
     }
 
     /// Number of bodies.
-    #[must_use]
     pub fn bodies(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// The list of a body.
-    #[must_use]
     pub fn of(&self, body: usize) -> &[usize] {
         &self.entries[self.starts[body]..self.starts[body + 1]]
     }
 
     /// Where the list of every body starts in [`entries`](Self::entries), and where the last ends.
-    #[must_use]
     pub fn starts(&self) -> &[usize] {
         &self.starts
     }
 
     /// All lists, one after the other.
-    #[must_use]
     pub fn entries(&self) -> &[usize] {
         &self.entries
     }

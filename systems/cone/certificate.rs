@@ -18,7 +18,6 @@ pub const TOLERANCE: f64 = 1e-6;
 
 /// Computes margin and defect of a mechanism: displacements by body in the bodies' own axes, at any
 /// scale. `None` if no body moves, or if the loads do no work.
-#[must_use]
 pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Certificate> {
     let length = program.scales.length;
     let mut u = vec![[0.0; 3]; mechanism.len()];
@@ -76,7 +75,6 @@ const MIN_OVERLAP: f64 = 1e-9;
 ///
 /// They do if they balance each other without any load, lie within the limits without cohesion, act
 /// on rigid contacts only, and do work on the overlaps and the imposed motions.
-#[must_use]
 pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
     let length = program.scales.length;
     let size = |f: &[f64; 3]| f[0].abs().max(f[1].abs()).max(f[2].abs() / length);
@@ -106,7 +104,6 @@ pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
 }
 
 /// Whether a certificate proves the collapse.
-#[must_use]
 pub fn proves(certificate: &Certificate) -> bool {
     certificate.margin > TOLERANCE && certificate.defect < TOLERANCE
 }

@@ -73,7 +73,6 @@ pub struct Dump {
 
 impl Dump {
     /// The program, without [`ConeProgram::last_forces`], which are no part of the problem.
-    #[must_use]
     pub fn program(&self) -> ConeProgram {
         ConeProgram {
             bodies: self.bodies.iter().map(|numbered| numbered.body).collect(),

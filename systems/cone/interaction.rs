@@ -25,51 +25,43 @@ const ON_LIMIT: f64 = 1.0 - 1e-6;
 
 impl Limits {
     /// The limits with these strengths: the moment follows from the tensile strength.
-    #[must_use]
     pub fn new(cohesion: f64, friction: f64, tension: f64, rolling: f64) -> Self {
         Self { cohesion, friction, tension, rolling, moment: rolling * tension }
     }
 
     /// Whether the interaction has a shear force.
-    #[must_use]
     pub fn has_shear(&self) -> bool {
         self.cohesion > 0.0 || self.friction > 0.0
     }
 
     /// Whether the interaction resists tension, or shear without pressure, as an intact bond does.
     /// An interaction without strength is a contact.
-    #[must_use]
     pub fn has_strength(&self) -> bool {
         self.tension > 0.0 || self.cohesion > 0.0
     }
 
     /// Whether the interaction has a rolling moment.
-    #[must_use]
     pub fn has_rolling(&self) -> bool {
         self.rolling > 0.0
     }
 
     /// Which of p, q, tau the interaction has.
-    #[must_use]
     pub fn forces(&self) -> [bool; 3] {
         [true, self.has_shear(), self.has_rolling()]
     }
 
     /// Whether the shear force of `f` = (p, q, tau) is on its limit, so that the interaction slides.
-    #[must_use]
     pub fn slides(&self, f: &[f64; 3]) -> bool {
         self.has_shear() && f[1].abs() >= ON_LIMIT * (self.cohesion + self.friction * f[0])
     }
 
     /// Whether the moment of `f` = (p, q, tau) is on its limit, so that the interaction rolls.
-    #[must_use]
     pub fn rolls(&self, f: &[f64; 3]) -> bool {
         self.has_rolling() && f[2].abs() >= ON_LIMIT * (self.moment + self.rolling * f[0])
     }
 
     /// The minimum normal force that the limits allow, N: `-f_t`, or the apex of the shear limit or
     /// of the rolling limit if that is larger.
-    #[must_use]
     pub fn min_normal_force(&self) -> f64 {
         let apex = |at_zero: f64, slope: f64| {
             if slope > 0.0 { at_zero / slope } else { f64::INFINITY }
@@ -80,7 +72,6 @@ impl Limits {
 
     /// Whether `p >= -f_t` needs a row of its own. The two rolling rows imply it; so do the two
     /// shear rows of a cohesionless, frictional contact without tension.
-    #[must_use]
     pub fn has_tension_row(&self) -> bool {
         !(self.has_rolling()
             || (self.friction > 0.0 && self.cohesion == 0.0 && self.tension == 0.0))
@@ -109,7 +100,6 @@ pub enum SlidingLaw {
 
 impl SlidingLaw {
     /// The dilation a of an interaction.
-    #[must_use]
     pub fn dilation(self, c: &Interaction) -> f64 {
         f64::from(u8::from(self == Self::Associated || c.limits.has_strength()))
     }
@@ -160,7 +150,6 @@ pub struct Interaction {
 impl Interaction {
     /// A rigid interaction without friction or strength from body `a` to body `b`: normal along x,
     /// no arms, no gap.
-    #[must_use]
     pub fn between(a: u32, b: u32) -> Self {
         Self {
             a,
@@ -182,14 +171,12 @@ impl Interaction {
     }
 
     /// Whether b takes part as an image, so that the cell takes part too.
-    #[must_use]
     pub fn is_across(&self) -> bool {
         self.image != DVec2::ZERO
     }
 
     /// Coefficients of (p, q, tau) in the three balance rows of body `a` (`first`) or `b`, in the
     /// axes of that body: `rows[i][j]` belongs to degree of freedom i and force j.
-    #[must_use]
     pub fn rows(&self, axis: DVec2, first: bool) -> [[f64; 3]; 3] {
         let (sign, arm, of_normal) = if first {
             (1.0, self.arm_a, self.normal_arm_a)
@@ -202,14 +189,12 @@ impl Interaction {
     }
 
     /// Force on body b of `f` = (p, q, tau), N; that on a is opposite.
-    #[must_use]
     pub fn force(&self, f: &[f64; 3]) -> DVec2 {
         self.normal * f[0] + self.normal.perp() * f[1]
     }
 
     /// The interaction with the forces of body `a` (`first`) or `b` acting on body `body` instead,
     /// whose reference point is at `-lever` from that of the body it replaces.
-    #[must_use]
     pub fn carried_by(mut self, first: bool, body: u32, lever: DVec2) -> Self {
         let (of_normal, of_shear) =
             (lever.perp_dot(self.normal), lever.perp_dot(self.normal.perp()));

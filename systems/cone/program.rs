@@ -77,7 +77,6 @@ pub struct ProgramBody {
 
 impl ProgramBody {
     /// Whether any of its displacements is unknown.
-    #[must_use]
     pub fn is_free(&self) -> bool {
         self.free().next().is_some()
     }
@@ -89,7 +88,6 @@ impl ProgramBody {
     }
 
     /// A displacement in the body's own axes turned into (x, y, rotation).
-    #[must_use]
     pub fn to_global(&self, local: [f64; 3]) -> [f64; 3] {
         let v = self.axis * local[0] + self.axis.perp() * local[1];
         [v.x, v.y, local[2]]
@@ -115,14 +113,12 @@ pub struct ProgramCell {
 impl ProgramCell {
     /// Displacement of an image in excess of that of its body, m, for the displacements of the cell
     /// in global axes.
-    #[must_use]
     pub fn shift(&self, image: DVec2, u: [f64; 3]) -> DVec2 {
         DVec2::new(image.x * u[0] + image.y * self.arm * u[2], image.y * u[1])
     }
 
     /// Coefficients of the forces in the rows of the cell, in the axes of its body, for the rows of
     /// the image along x and y.
-    #[must_use]
     pub fn rows<const F: usize>(
         &self,
         image: DVec2,
@@ -159,7 +155,6 @@ pub struct Scales {
 impl Scales {
     /// Units of the three degrees of freedom of a body: displacement (m, m, rad) and force (N, N,
     /// N m).
-    #[must_use]
     pub fn units(&self) -> ([f64; 3], [f64; 3]) {
         let (u, f, l) = (self.displacement, self.force, self.length);
         ([u, u, u / l], [f, f, f * l])
@@ -194,14 +189,12 @@ pub struct ConeProgram {
 
 impl ConeProgram {
     /// Whether an interaction has strength.
-    #[must_use]
     pub fn has_bonds(&self) -> bool {
         self.interactions.iter().any(|c| c.limits.has_strength())
     }
 
     /// Closing, slip and relative rotation of interaction `c` for the displacements `u` by body,
     /// in the bodies' own axes.
-    #[must_use]
     pub fn kinematics(&self, c: &Interaction, u: &[[f64; 3]]) -> Kinematics {
         let (a, b) = (c.a as usize, c.b as usize);
         let ua = self.bodies[a].to_global(u[a]);
@@ -243,7 +236,6 @@ impl ConeProgram {
 
     /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for
     /// an interaction in which no image takes part.
-    #[must_use]
     pub fn rows_of_cell(&self, c: &Interaction) -> Option<(usize, [[f64; 3]; 3])> {
         let cell = self.cell.as_ref().filter(|_| c.is_across())?;
         let body = cell.body as usize;
@@ -266,26 +258,22 @@ impl ConeProgram {
     }
 
     /// Imposed displacements by body in its own axes; zero where they are free.
-    #[must_use]
     pub fn imposed(&self) -> Vec<[f64; 3]> {
         let known = |dof| if let Dof::Fixed(u) = dof { u } else { 0.0 };
         self.bodies.iter().map(|body| body.dofs.map(known)).collect()
     }
 
     /// Whether any body was in motion when the increment began.
-    #[must_use]
     pub fn has_momentum(&self) -> bool {
         self.free().any(|free| free.momentum != 0.0)
     }
 
     /// Whether every free degree of freedom has a weight: inertia or regularisation.
-    #[must_use]
     pub fn is_damped(&self) -> bool {
         self.free().all(|free| free.inertia + free.proximal > 0.0)
     }
 
     /// Whether any body has inertia.
-    #[must_use]
     pub fn is_dynamic(&self) -> bool {
         self.free().any(|free| free.inertia > 0.0)
     }
@@ -296,7 +284,6 @@ impl ConeProgram {
     }
 
     /// Number of force variables, balance rows and limit rows that a solver needs.
-    #[must_use]
     pub fn size(&self) -> ProgramSize {
         let limits = || self.interactions.iter().map(|c| &c.limits);
         let rows = |l: &Limits| {
@@ -358,7 +345,6 @@ pub struct Residuals {
 
 impl Residuals {
     /// Maximum of the four; NaN if any of them is not finite.
-    #[must_use]
     pub fn worst(&self) -> f64 {
         let all = [self.balance, self.kinematics, self.cone, self.complementarity];
         // f64::max drops NaN, which would turn a broken solution into a perfect one.

@@ -7,7 +7,6 @@ use clastic_components::wall_shape::Nearest;
 
 /// Normal from a to b and gap `g_0 = |x_b - x_a| - (r_a + r_b)` of two particles; in a cell b is
 /// its nearest image.
-#[must_use]
 pub fn pair_contact(bodies: &BodyTable, a: u32, b: u32) -> Contact {
     let (i, j) = (a as usize, b as usize);
     let d = bodies.way(i, j);
@@ -18,7 +17,6 @@ pub fn pair_contact(bodies: &BodyTable, a: u32, b: u32) -> Contact {
 }
 
 /// Normal from particle a to the nearest point of the wall and gap, the distance to it less `r_a`.
-#[must_use]
 pub fn wall_contact(bodies: &BodyTable, a: u32, wall: &WallRow) -> Contact {
     let i = a as usize;
     let near = wall.nearest(bodies.positions[wall.body as usize], bodies.positions[i]);
@@ -34,7 +32,6 @@ pub(crate) const JOINT: f64 = 1e-6;
 /// Gap between a disk at `place` and a wall, m; infinite where another wall has the contact. All
 /// walls and the places of all bodies are those of one moment.
 #[inline]
-#[must_use]
 pub fn wall_gap(
     walls: &[WallRow],
     positions: &[DVec2],

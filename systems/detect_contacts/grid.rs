@@ -67,7 +67,6 @@ impl Class {
 /// `positions` and `radii` (m, not negative) are of equal length; `reach` (m) may be negative (deep
 /// overlaps only) or infinite (all pairs). A disk whose position or radius is not finite is in no
 /// pair.
-#[must_use]
 pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64) -> Vec<(u32, u32)> {
     let mut pairs = Vec::new();
     let _ = visit_pairs(positions, radii, reach, |pair| {
@@ -80,7 +79,6 @@ pub fn pairs_within(positions: &[DVec2], radii: &[f64], reach: f64) -> Vec<(u32,
 
 /// Number of the pairs that [`pairs_within`] lists, up to `most`. Memory stays O(n) even if the
 /// list of pairs would not fit into it.
-#[must_use]
 pub fn count_within(positions: &[DVec2], radii: &[f64], reach: f64, most: usize) -> usize {
     let mut count = 0;
     let _ = visit_pairs(positions, radii, reach, |_| {

@@ -7,7 +7,6 @@ use super::grid;
 
 /// All pairs `a < b` of which the nearest images have a gap of at most `reach`, m, sorted. The
 /// reach ends where a pair could have two images within it.
-#[must_use]
 pub fn pairs_within(
     cell: &PeriodicCell,
     positions: &[DVec2],

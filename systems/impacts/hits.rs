@@ -24,7 +24,6 @@ pub struct Motion {
 impl Motion {
     /// Motion of a body in a trial of `dt` within an increment of `whole` (s). `None` for a loaded
     /// wall: it has no mass, and a body that hits it does not rebound.
-    #[must_use]
     pub fn of(
         bodies: &BodyTable,
         program: &ConeProgram,
@@ -77,7 +76,6 @@ impl Motion {
 }
 
 /// Acceleration of a degree of freedom by its loads alone, m/s^2 or rad/s^2, with theta = 1.
-#[must_use]
 pub fn load_acceleration(free: &FreeDof, dt: f64) -> f64 {
     (free.load - free.momentum) / (free.inertia * dt * dt)
 }
@@ -120,7 +118,6 @@ const RESIDUAL: f64 = 1e-12;
 
 impl Approach {
     /// The approach of the two bodies of a contact.
-    #[must_use]
     pub fn of(motions: &[Option<Motion>], contact: &Contact, c: &Interaction) -> Option<Self> {
         let (a, b) = (motions[c.a as usize]?, motions[c.b as usize]?);
         let turning = c.normal_arm_a * a.spin + c.normal_arm_b * b.spin;
@@ -137,14 +134,12 @@ impl Approach {
     }
 
     /// Closing in a step with the end velocity of free motion, m.
-    #[must_use]
     pub fn free_closing(&self, dt: f64) -> f64 {
         (self.speed + self.acceleration * dt) * dt
     }
 
     /// Time and closing speed of the impact along the normal within a step, if any. The time is the
     /// first root of `g_0 = w_0 t + a t^2/2`.
-    #[must_use]
     pub fn hit(&self, dt: f64) -> Option<[f64; 2]> {
         let speed = (self.speed * self.speed + 2.0 * self.acceleration * self.gap).sqrt();
         let time = if self.speed >= 0.0 {
@@ -160,7 +155,6 @@ impl Approach {
 
     /// Impact of two bodies without other interactions, on their parabolic paths under constant
     /// loads.
-    #[must_use]
     pub fn impact(
         &self,
         bodies: &BodyTable,

@@ -55,7 +55,6 @@ pub struct Paths<'w> {
 impl Paths<'_> {
     /// Displacements by body in the axes of the body, m, m, rad: those that separate rigid overlaps,
     /// else those of paths, else those of the solution.
-    #[must_use]
     pub fn motion<'a>(&'a self, solved: Solved<'a>) -> Cow<'a, [[f64; 3]]> {
         if let Some(pushed) = &self.pushed.0 {
             return pushed.into();

@@ -30,7 +30,6 @@ pub fn follow_cracks(
 }
 
 /// A reading of the sums; directions are not defined without cracks.
-#[must_use]
 pub fn read(sums: &CrackSums, modes: Modes, part: CrackPart) -> Option<f64> {
     let all = |a: CrackSum, b: CrackSum| CrackSum {
         length: a.length + b.length,

@@ -8,7 +8,6 @@ use crate::solved::Solved;
 
 /// A component of the fabric tensor of the contacts that carry force, with normals at the present
 /// places of the particles. `None` without such contacts.
-#[must_use]
 pub fn fabric(solved: Solved, component: FabricComponent, network: Network) -> Option<f64> {
     let Solved { bodies, contacts, program, solution } = solved;
     let carrying = Carrying::new(program, solution);

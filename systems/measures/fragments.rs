@@ -5,7 +5,6 @@ use clastic_components::measure::FragmentPart;
 
 /// The fragment of every particle, as the row of its first particle. Intact bonds between particles
 /// and rigid groups connect; walls do not.
-#[must_use]
 pub fn fragments(bodies: &BodyTable) -> Vec<u32> {
     let n = bodies.particles as u32;
     let mut parents: Vec<u32> = (0..n).collect();
@@ -39,7 +38,6 @@ pub(crate) fn join(parents: &mut [u32], a: u32, b: u32) {
 }
 
 /// A reading of the fragments. `None` without particles.
-#[must_use]
 pub fn read(bodies: &BodyTable, part: FragmentPart) -> Option<f64> {
     let fragments = fragments(bodies);
     let mut sizes = vec![0_usize; fragments.len()];

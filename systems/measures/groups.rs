@@ -10,7 +10,6 @@ use crate::solved::Solved;
 /// Force (x, y; N) of the contacts with other bodies on the particles, and its moment about their
 /// centre of mass (N m), anticlockwise. Points and centre are those at the start of the increment,
 /// which [`BodyTable`](clastic_components::contact::BodyTable) holds until it is gathered anew. `None` without any of the particles.
-#[must_use]
 pub fn force_on(members: &[BodyId], solved: Solved) -> Option<[f64; 3]> {
     let bodies = solved.bodies;
     let rows = members.iter().filter_map(|id| bodies.row(*id));

@@ -49,7 +49,6 @@ pub struct NamedState {
 
 impl NamedState {
     /// The state with these readings.
-    #[must_use]
     pub fn with(named: &NamedMeasures, readings: &Readings) -> Self {
         Self { references: named.references.clone(), readings: readings.clone() }
     }
@@ -72,7 +71,6 @@ impl StateOf for NamedState {
 /// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The forces of a program are those at the point
 /// theta of it, and its compliances and offsets are divided by theta. `bodies` are those at the end, the
 /// other tables those of the increment.
-#[must_use]
 pub fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> f64 {
     let Solved { bodies, contacts, program, solution } = solved;
     let end = Moved::not(bodies);
@@ -94,7 +92,6 @@ pub fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> 
 
 /// Elastic energy that a static increment leaves to the next one, J. Normal forces are those of the
 /// gaps: the part with which associated friction has opened a gap ends with the increment.
-#[must_use]
 pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let force = |_: usize, c: &Interaction| {
         let closing = program.kinematics(c, &solution.displacements)[0];

@@ -19,7 +19,6 @@ const ROUND_OFF: f64 = 1e-12;
 
 impl Principal {
     /// Principal values of a tensor.
-    #[must_use]
     pub fn of(xx: f64, yy: f64, xy: f64) -> Self {
         let mean = 0.5 * (xx + yy);
         let radius = (0.5 * (xx - yy)).hypot(xy);
@@ -32,7 +31,6 @@ impl Principal {
 /// Angle of an axis from cosine and sine of the doubled angle, up to a positive factor, rad, from 0
 /// to below pi. The angle is continuous for axes that turn through the vertical (pi/2), and jumps
 /// for axes that turn through the horizontal.
-#[must_use]
 pub fn axis(cos: f64, sin: f64) -> f64 {
     let angle = 0.5 * sin.atan2(cos);
     let angle = if angle < 0.0 { angle + PI } else { angle + 0.0 };

@@ -33,7 +33,6 @@ impl StrainTables<'_, '_> {
     /// Current value of the distance of a strain measure, m. For a shear of the periodic cell it is
     /// the strain itself. `None` for a measure that compares no distance, or whose bodies are not
     /// all in the world.
-    #[must_use]
     pub fn distance(&self, measure: &StrainMeasure) -> Option<f64> {
         match *measure {
             StrainMeasure::Walls(a, b) => self.between(a, b),
@@ -70,14 +69,12 @@ impl StrainTables<'_, '_> {
     }
 
     /// Distance of two walls, m; `None` if one of them was removed.
-    #[must_use]
     pub fn between(&self, a: Entity, b: Entity) -> Option<f64> {
         let there = self.walls.contains(a) && self.walls.contains(b);
         there.then(|| wall_distance(a, b, &self.walls))
     }
 
     /// A strain, with the distance at the start of the reference stage if it compares one.
-    #[must_use]
     pub fn strain(&self, measure: &StrainMeasure, reference: Option<f64>) -> Option<f64> {
         let StrainMeasure::Region { component, min, max } = *measure else {
             let (then, now) = (reference?, self.distance(measure)?);
@@ -114,7 +111,6 @@ impl StrainTables<'_, '_> {
 
 /// Shear strain of the displacement gradient that fits motions of the particles best,
 /// `du_x/dy + du_y/dx`; `None` where they lie in a line.
-#[must_use]
 pub fn shear_of(bodies: &BodyTable) -> Option<f64> {
     let n = bodies.particles;
     let motions =
@@ -180,7 +176,6 @@ fn start_of(path: &[[f64; 2]], over: f64) -> Option<usize> {
 /// Angle of dilation at the end of a path of axial and lateral strains, rad. `None` before the
 /// axial strain has changed by `over`, and without shear, that is, if the two strains change
 /// equally.
-#[must_use]
 pub fn dilation_angle(path: &[[f64; 2]], over: f64) -> Option<f64> {
     let (from, to) = (path[start_of(path, over)?], path.last()?);
     let change = |k: usize| -((1.0 - to[k]) / (1.0 - from[k])).ln();

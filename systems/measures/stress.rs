@@ -27,7 +27,6 @@ use crate::solved::{Solved, SolvedTables};
 /// have the directions of the program, in which they balance, so that the sum is that of any
 /// positions.
 /// `area` is in m^2.
-#[must_use]
 pub fn average_stress(solved: Solved, area: f64, thickness: f64) -> [[f64; 2]; 2] {
     moments(solved, |_| 1.0).map(|row| row.map(|s| s / (area * thickness)))
 }
@@ -54,7 +53,6 @@ fn moments(solved: Solved, weight: impl Fn(&Contact) -> f64) -> [[f64; 2]; 2] {
 
 /// The wall in its direction at the start of the last increment, in which its contacts carried
 /// their forces.
-#[must_use]
 pub fn as_it_carried(wall: &Wall, motion: &LastMotion) -> Wall {
     let [_, _, angle] = motion.0;
     if angle == 0.0 { *wall } else { wall.turned(DVec2::from_angle(-angle)) }
@@ -149,7 +147,6 @@ impl StressTables<'_, '_> {
     }
 
     /// A stress, Pa; `None` where a wall is not there or nothing carries it.
-    #[must_use]
     pub fn stress(&self, measure: &StressMeasure) -> Option<f64> {
         self.carries().then(|| self.stress_now(measure)).flatten()
     }

@@ -138,7 +138,6 @@ pub fn renew_shapes(
 }
 
 /// The chains of a membrane where the bodies are; none if no chain reaches from wall to wall.
-#[must_use]
 pub fn find_shape(membrane: &Membrane, pressure: f64, bodies: &BodyTable) -> MembraneShape {
     let positions = &bodies.positions[..bodies.particles];
     let ball = RollingBall::new(positions, &bodies.radii, membrane.ball);

@@ -56,7 +56,6 @@ pub enum Met {
 }
 
 /// Bonds that the solution brings to a limit, in the order of the contacts.
-#[must_use]
 pub fn find_ruptures(
     solved: Solved,
     rules: &RuptureRules,
@@ -77,7 +76,6 @@ pub fn find_ruptures(
 }
 
 /// Rupture of the bond of a contact under these forces; `None` without a bond.
-#[must_use]
 pub fn rupture(
     increment: u64,
     bodies: &BodyTable,
@@ -148,7 +146,6 @@ pub struct Overload {
 ///
 /// R <= 1 if all limits hold, because one factor scales both. If a yielding rolling limit keeps p
 /// above -f_t, p' is the normal force without this limit, `p - lambda_T/C_N`.
-#[must_use]
 pub fn overloads(solved: Solved, factor: f64) -> Vec<Overload> {
     let Solved { program, solution, .. } = solved;
     let is_complete = solution.displacements.len() == program.bodies.len();
@@ -176,7 +173,6 @@ pub fn overloads(solved: Solved, factor: f64) -> Vec<Overload> {
 }
 
 /// The overloads R at the start of the increment, by the forces after the last one.
-#[must_use]
 pub fn overloads_at_start(solved: Solved, factor: f64) -> Vec<Overload> {
     let mut forces = solved.program.last_forces.clone();
     forces.resize(solved.program.interactions.len(), [0.0; 3]);
@@ -186,7 +182,6 @@ pub fn overloads_at_start(solved: Solved, factor: f64) -> Vec<Overload> {
 
 /// The contact whose bond has the maximum overload R, of the bonds that yield in a program with
 /// their own strengths: `R = 1 + multiplier/(C limit)`. `None` if no bond yields.
-#[must_use]
 pub fn most_yielding(solved: Solved) -> Option<(usize, f64)> {
     let Solved { program, solution, .. } = solved;
     let bonds = solved.contacts().enumerate().filter(|(_, (contact, ..))| contact.bond.is_some());

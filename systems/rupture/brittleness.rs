@@ -17,7 +17,6 @@ use crate::contact_laws::Laws;
 /// with n bonds `due`, given by their contacts, f_i the force (p, q) of a bond as it breaks, f_i'
 /// what its contact keeps of it, and m contacts that carry a force. A contact keeps a compressive
 /// p and |q| up to friction, and nothing where the bond spans a gap. Infinite without bonds.
-#[must_use]
 pub fn brittleness(due: &[usize], contacts: &[Contact], forces: &[[f64; 3]], laws: Laws) -> f64 {
     let sizes = forces.iter().map(|[p, q, _]| p.hypot(*q)).filter(|f| *f > 0.0);
     let (sum, carrying) = sizes.fold((0.0, 0_usize), |(sum, n), f| (sum + f, n + 1));
@@ -35,7 +34,6 @@ fn released(contact: &Contact, [p, q, _]: [f64; 3], laws: Laws) -> f64 {
 }
 
 /// Forces at a fraction of the way from one state to another.
-#[must_use]
 pub fn between(from: &[[f64; 3]], to: &[[f64; 3]], part: f64) -> Vec<[f64; 3]> {
     let starts = from.iter().copied().chain(std::iter::repeat([0.0; 3]));
     starts.zip(to).map(|(a, b)| [0, 1, 2].map(|k| a[k] + part * (b[k] - a[k]))).collect()

@@ -51,7 +51,6 @@ pub fn is_dense(search: Res<EventSearch>) -> bool {
 /// Whether the increment has broken bonds together, so that the equilibrium at constant load
 /// without these bonds is not yet known. A stage must not end in such a state, because the next
 /// stage may load in another way.
-#[must_use]
 pub fn is_unsettled(search: &EventSearch, ruptures: &Ruptures, progress: &ClasticProgress) -> bool {
     search.dense && (progress.fraction > 0.0 || ruptures.list.len() > ruptures.on_the_way)
 }

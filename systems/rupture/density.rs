@@ -20,7 +20,6 @@ const MIN_COUNT: usize = 10;
 /// forces have changed by the fraction `WINDOW` more. Overloads are extrapolated linearly, so that
 /// the density depends on the length of the trial only where the response is not linear. It is 0
 /// if n is below `MIN_COUNT`, which includes trials within the limits whose forces decrease.
-#[must_use]
 pub fn density(below: &EventTrial, trial: &EventTrial) -> f64 {
     let (_, due) = due(below, trial);
     if due.len() < MIN_COUNT {
@@ -33,7 +32,6 @@ pub fn density(below: &EventTrial, trial: &EventTrial) -> f64 {
 /// The fraction of the first crossing, and the bonds that reach their limits from there on until
 /// the forces have changed by the fraction `WINDOW` more. Without a crossing the fraction is
 /// infinite.
-#[must_use]
 pub fn due(below: &EventTrial, trial: &EventTrial) -> (f64, Vec<usize>) {
     let step = trial.fraction - below.fraction;
     let overloads = below.overloads.iter().zip(&trial.overloads);
@@ -48,7 +46,6 @@ pub fn due(below: &EventTrial, trial: &EventTrial) -> (f64, Vec<usize>) {
 
 /// Distance to the limit of a bond with the overload `at`, if that changes at the rate at which it
 /// goes from one value to another in `step`; infinite if it decreases.
-#[must_use]
 pub fn distance(at: f64, [from, to]: [f64; 2], step: f64) -> f64 {
     if to > from { (1.0 - at).max(0.0) / (to - from) * step } else { f64::INFINITY }
 }

@@ -33,7 +33,6 @@ pub enum Decision {
 }
 
 /// The bond that breaks at constant load: the most overloaded of those at their limits.
-#[must_use]
 pub fn at_constant_load(trial: &EventTrial, tolerance: f64) -> Option<usize> {
     let r = &trial.overloads;
     let at_limit = (0..r.len()).filter(|&i| r[i] >= 1.0 - tolerance);
@@ -44,7 +43,6 @@ pub fn at_constant_load(trial: &EventTrial, tolerance: f64) -> Option<usize> {
 /// before the crossing, or the start of the increment. `above` is the last trial beyond it.
 /// `in_a_row` counts the consecutive trials that replaced the lower end of the interval, and the
 /// upper end. A bond is at its limit when `1 - tolerance <= R <= 1`.
-#[must_use]
 pub fn decide(
     below: &EventTrial,
     above: Option<&EventTrial>,
@@ -94,7 +92,6 @@ pub fn decide(
 }
 
 /// Maximum overload of a trial.
-#[must_use]
 pub fn maximum(trial: &EventTrial) -> f64 {
     trial.overloads.iter().copied().fold(0.0, f64::max)
 }

@@ -61,7 +61,6 @@ pub fn begin(world: &mut World) {
 }
 
 /// Whether the motion that the last ruptures released must still be followed.
-#[must_use]
 pub fn is_released(rules: &RuptureRules, progress: &ClasticProgress, search: &EventSearch) -> bool {
     let follows = search.active && rules.avalanche == Avalanche::Dynamic;
     follows && progress.relaxing && !search.moved
@@ -225,7 +224,6 @@ const FORGET: f64 = 0.5;
 
 /// Relative change of the normal and shear forces since the start of the increment,
 /// `sum|f - f_0| / sum|f|`.
-#[must_use]
 pub fn change(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let changes = solution.forces.iter().zip(&program.last_forces);
     let changed: f64 = changes.map(|(f, last)| (f[0] - last[0]).hypot(f[1] - last[1])).sum();

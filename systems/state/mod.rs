@@ -211,7 +211,6 @@ impl WorldState {
     }
 
     /// An entry as it is encoded; `None` if it does not exist.
-    #[must_use]
     pub fn bytes(&self, name: &str) -> Option<&[u8]> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, bytes)| bytes.as_slice())
     }

@@ -23,7 +23,6 @@ const WEIGHT: f64 = 0.5;
 
 /// The next increment, if this part of the whole increment is left. Fractions are at least
 /// `finest`.
-#[must_use]
 pub fn part(control: &StepControl, left: f64, finest: f64) -> Part {
     if control.step >= 1.0 && control.unchecked < SAMPLE {
         return Part { fraction: left, is_checked: false };

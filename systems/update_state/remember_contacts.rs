@@ -22,7 +22,6 @@ pub fn remember_contacts(
 /// Forces of the persistent contacts after a solution, given those `before` it. An elastic shear
 /// force of the program is the average over the increment, so the force at its end is
 /// `q = q_0 + (q_program - q_0)/theta`; likewise an elastic rolling moment.
-#[must_use]
 pub fn remembered(
     solved: Solved,
     analysis: &ClasticAnalysis,

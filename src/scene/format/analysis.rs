@@ -46,7 +46,6 @@ impl FrictionLaw {
     pub const COULOMB: Self = Self::Coulomb { factorisations: Coulomb::FACTORISATIONS };
 
     /// The law by kind of analysis.
-    #[must_use]
     pub fn by_analysis(self) -> increment::FrictionLaw {
         let (in_statics, in_dynamics) = match self {
             Self::Associated => (None, None),

@@ -33,13 +33,11 @@ pub struct CellControl {
 
 impl CellControl {
     /// Whether the mean of width and height is controlled, in place of each of them.
-    #[must_use]
     pub fn is_by_mean(&self) -> bool {
         self.mean.is_some() || self.difference.is_some()
     }
 
     /// All components, with their fields.
-    #[must_use]
     pub fn targets(&self) -> [(&'static str, Option<CellTarget>); 5] {
         [
             ("xx", self.xx),

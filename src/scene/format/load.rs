@@ -26,7 +26,6 @@ pub struct Scale {
 
 impl Scale {
     /// Whether nothing is scaled.
-    #[must_use]
     pub fn is_default(&self) -> bool {
         *self == Self::default()
     }
@@ -90,7 +89,6 @@ pub struct Load {
 
 impl Load {
     /// Whether a load goes to a target in this stage: also the reaction of a rigid group, to 0.
-    #[must_use]
     pub fn has_target(&self) -> bool {
         let loaded = |wall: &WallControl| {
             use WallControl::{Force, Lid, Stress};
@@ -165,14 +163,12 @@ pub struct Traction {
 
 impl RigidControl {
     /// Whether the entry makes the group.
-    #[must_use]
     pub fn makes(&self) -> bool {
         self.select.is_some() || !self.walls.is_empty()
     }
 
     /// Force on the centre at the end of the stage, N, for bodies of this thickness (m); `None` if
     /// the entry gives none.
-    #[must_use]
     pub fn total_force(&self, thickness: f64) -> Option<(f64, f64)> {
         let by_stress = self.stress.map(|traction| {
             let area = traction.length * thickness;
@@ -185,7 +181,6 @@ impl RigidControl {
     }
 
     /// Motions along x, along y, and of the rotation, with their fields and units.
-    #[must_use]
     pub fn motions(&self) -> [(&'static str, Motion, &'static str); 3] {
         [("x", self.x, "m"), ("y", self.y, "m"), ("rotation", self.rotation, "rad")]
     }

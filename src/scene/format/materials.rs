@@ -40,7 +40,6 @@ pub struct Contact {
 
 impl Contact {
     /// Normal, tangential and rolling stiffness.
-    #[must_use]
     pub fn stiffnesses(&self) -> [Option<f64>; 3] {
         [self.normal_stiffness, self.tangential_stiffness, self.rolling_stiffness]
     }
@@ -73,7 +72,6 @@ pub struct Bond {
 
 impl Bond {
     /// Normal, tangential and rolling stiffness.
-    #[must_use]
     pub fn stiffnesses(&self) -> [Option<f64>; 3] {
         [self.normal_stiffness, self.tangential_stiffness, self.rolling_stiffness]
     }

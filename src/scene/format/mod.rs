@@ -138,7 +138,6 @@ fn yes() -> bool {
 impl Scene {
     /// Index of the stage at whose start strains are zero: the one that the scene names, else the
     /// last stage that does more than keep the state.
-    #[must_use]
     pub fn reference_stage(&self) -> usize {
         let named = self
             .reference_stage
@@ -149,7 +148,6 @@ impl Scene {
     }
 
     /// What the measure of a name measures. Of two with the same name the first counts.
-    #[must_use]
     pub fn measure(&self, name: &str) -> Option<&Quantity> {
         self.measures.iter().find(|measure| measure.name == name).map(|measure| &measure.of)
     }
@@ -160,20 +158,17 @@ impl Scene {
     }
 
     /// The strain of a name; `None` if there is none, or the measure is no strain.
-    #[must_use]
     pub fn strain(&self, name: &str) -> Option<&Strain> {
         if let Some(Quantity::Strain(strain)) = self.measure(name) { Some(strain) } else { None }
     }
 
     /// The stress of a name; `None` if there is none, or the measure is no stress.
-    #[must_use]
     pub fn stress(&self, name: &str) -> Option<&Stress> {
         if let Some(Quantity::Stress(stress)) = self.measure(name) { Some(stress) } else { None }
     }
 
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then
     /// those of theta = 1.
-    #[must_use]
     pub fn has_restitution(&self) -> bool {
         let materials = self.materials.values().map(|material| material.contact);
         let walls = self.walls.iter().map(|wall| wall.contact);

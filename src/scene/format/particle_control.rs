@@ -32,13 +32,11 @@ pub struct ParticleControl {
 
 impl ParticleControl {
     /// Whether it brings a load of the particles to a target.
-    #[must_use]
     pub fn is_load(&self) -> bool {
         self.force.is_some() || self.moment.is_some() || self.remains.is_some()
     }
 
     /// Motions along x, along y, and of the rotation, with their fields and units.
-    #[must_use]
     pub fn motions(&self) -> [(&'static str, Motion, &'static str); 3] {
         [("x", self.x, "m"), ("y", self.y, "m"), ("rotation", self.rotation, "rad")]
     }
@@ -99,7 +97,6 @@ pub enum Select {
 impl Select {
     /// Corners of the rectangle around what is left of a specimen that loses this selection, m, if it
     /// is all but a box or a circle, or a part of these.
-    #[must_use]
     pub fn left(&self) -> Option<[(f64, f64); 2]> {
         let corners = |of: &Self| match of {
             Self::Box { min, max } => Some([*min, *max]),
@@ -117,7 +114,6 @@ impl Select {
     }
 
     /// Whether it, or a group of the scene that it names, depends on the forces of contacts.
-    #[must_use]
     pub fn needs_forces(&self, groups: &BTreeMap<String, Self>) -> bool {
         match self {
             Self::Loose(_) => true,
@@ -132,7 +128,6 @@ impl Select {
     }
 
     /// The selections that it is made of.
-    #[must_use]
     pub fn parts(&self) -> Vec<&Self> {
         match self {
             Self::Union(list) | Self::Intersection(list) => list.iter().collect(),

@@ -73,19 +73,16 @@ pub enum Rate {
 
 impl Rate {
     /// Whether it counts mass.
-    #[must_use]
     pub fn is_of_mass(self) -> bool {
         matches!(self, Self::Mass(_) | Self::MassOverStage(_))
     }
 
     /// Whether it is spread over the increments of the stage.
-    #[must_use]
     pub fn is_over_stage(self) -> bool {
         matches!(self, Self::NumberOverStage(_) | Self::MassOverStage(_))
     }
 
     /// Number or mass (kg) that is due at the end of an increment of a stage.
-    #[must_use]
     pub fn due(self, increments: f64, total: f64, dt: f64) -> f64 {
         match self {
             Self::Number(rate) | Self::Mass(rate) => rate * increments * dt,

@@ -96,7 +96,6 @@ pub enum Sizes {
 
 impl Sizes {
     /// Minimum and maximum radius, m; `None` for a sieve curve without points.
-    #[must_use]
     pub fn limits(&self) -> Option<(f64, f64)> {
         match self {
             Self::Equal { radius } => Some((*radius, *radius)),

@@ -30,7 +30,6 @@ pub enum Stage {
 
 impl Stage {
     /// Name of the stage.
-    #[must_use]
     pub fn name(&self) -> &str {
         match self {
             Self::Compact(s) => &s.name,
@@ -44,13 +43,11 @@ impl Stage {
     }
 
     /// Whether grains pour in.
-    #[must_use]
     pub fn pours(&self) -> bool {
         matches!(self, Self::Pour(_))
     }
 
     /// Whether the stage has increments.
-    #[must_use]
     pub fn has_increments(&self) -> bool {
         match self {
             Self::Compact(_) => true,
@@ -74,7 +71,6 @@ impl Stage {
 
     /// What the stage does to walls, particles and groups, and when it stops, if it is a loading
     /// stage or pours.
-    #[must_use]
     pub fn load(&self) -> Option<&Load> {
         match self {
             Self::Load(load) => Some(load),
@@ -84,7 +80,6 @@ impl Stage {
     }
 
     /// The analysis that the stage gives; that of the scene holds otherwise.
-    #[must_use]
     pub fn analysis(&self) -> Option<Analysis> {
         match self {
             Self::Custom(custom) => custom.analysis,
@@ -93,7 +88,6 @@ impl Stage {
     }
 
     /// Conditions that end the stage early.
-    #[must_use]
     pub fn stop(&self) -> &[Stop] {
         match self {
             Self::Compact(s) => &s.stop,
@@ -102,7 +96,6 @@ impl Stage {
     }
 
     /// Recording of the stage; `None` for a stage without increments.
-    #[must_use]
     pub fn record(&self) -> Option<&Record> {
         match self {
             Self::Compact(s) => Some(&s.record),
@@ -146,7 +139,6 @@ pub struct Save {
 impl Save {
     /// Name of the file: `state_NAME.npz`. Characters that may not be in the name of a file are
     /// replaced by `_`.
-    #[must_use]
     pub fn file(&self) -> String {
         let fits = |c: char| c.is_alphanumeric() || "_-.".contains(c);
         let name: String = self.name.chars().map(|c| if fits(c) { c } else { '_' }).collect();
@@ -215,7 +207,6 @@ pub enum Stop {
 
 impl Stop {
     /// Name of the measure that the condition is about.
-    #[must_use]
     pub fn measure(&self) -> Option<&str> {
         match self {
             Self::StressDrop(_) => Some("axial_stress"),

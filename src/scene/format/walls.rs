@@ -37,7 +37,6 @@ pub struct Wall {
 impl Wall {
     /// Whether the wall is where it is drawn. One that a stage brings to the outermost particles is
     /// not.
-    #[must_use]
     pub fn is_placed(&self) -> bool {
         self.present || !self.touching
     }
@@ -65,13 +64,11 @@ pub enum WallShape {
 
 impl WallShape {
     /// Whether the wall is one straight piece.
-    #[must_use]
     pub fn is_straight(&self) -> bool {
         matches!(self, Self::Line | Self::Segment)
     }
 
     /// Whether it is that of a wall that does not say. Records of such walls do not say either.
-    #[must_use]
     pub fn is_line(&self) -> bool {
         *self == Self::Line
     }
@@ -167,7 +164,6 @@ pub enum Table {
 impl WallControl {
     /// The two walls whose distance is the length that a stress acts on: `None` without a stress,
     /// `Some(None)` where it acts on the drawn length of the wall.
-    #[must_use]
     pub fn loaded_between(&self) -> Option<Option<&(String, String)>> {
         match self {
             Self::Stress { between, .. }

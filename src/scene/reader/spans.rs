@@ -19,13 +19,11 @@ pub struct Spans<'t>(Option<Node<'t>>);
 
 impl<'t> Spans<'t> {
     /// Scans a text. A text with unbalanced brackets has no places.
-    #[must_use]
     pub fn of(text: &'t str) -> Self {
         Self(scan(text).0)
     }
 
     /// Span of a value.
-    #[must_use]
     pub fn value(&self, path: &str) -> Option<Span> {
         let steps = parse_path(path)?;
         let found = descend(self.0.as_ref()?, &steps);
@@ -72,7 +70,6 @@ impl Step {
 }
 
 /// Parses a path; `None` if it is malformed. The empty path is the scene itself.
-#[must_use]
 pub fn parse_path(path: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     let mut rest = path;
@@ -103,7 +100,6 @@ pub fn parse_path(path: &str) -> Option<Vec<Step>> {
 }
 
 /// Path of a named part of the value at `path`.
-#[must_use]
 pub fn join(path: &str, name: &str) -> String {
     let plain = |c: char| c.is_alphanumeric() || matches!(c, '_' | '-');
     if name.is_empty() || !name.chars().all(plain) {
@@ -116,7 +112,6 @@ pub fn join(path: &str, name: &str) -> String {
 }
 
 /// Writes a path; the inverse of [`parse_path`].
-#[must_use]
 pub fn write_path(steps: &[Step]) -> String {
     steps.iter().fold(String::new(), |path, step| step.after(&path))
 }

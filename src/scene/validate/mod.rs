@@ -36,7 +36,6 @@ use findings::Findings;
 pub(crate) use places::is_behind;
 
 /// Checks a scene, with the stored specimen that it names. The scene need not come from a text.
-#[must_use]
 pub fn validate(scene: &Scene, specimen: Option<&StoredSpecimen>) -> Vec<Finding> {
     findings(scene, specimen, &[])
 }

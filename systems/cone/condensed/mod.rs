@@ -58,7 +58,6 @@ pub struct Condensed {
 
 impl Condensed {
     /// A solver with these settings.
-    #[must_use]
     pub fn new(settings: CondensedSettings) -> Self {
         Self { settings, ..Self::default() }
     }

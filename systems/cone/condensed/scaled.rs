@@ -25,14 +25,12 @@ pub struct Arms<const F: usize> {
 
 impl<const F: usize> Arms<F> {
     /// Those of the first forces of an interaction.
-    #[must_use]
     pub fn of(local: &Local) -> Self {
         let Arms { bodies, rows } = local.arms;
         Self { bodies, rows: rows.map(|rows| rows.map(|row| first(&row))) }
     }
 
     /// Kinematics `e = G'u`, without the part of fixed degrees of freedom.
-    #[must_use]
     #[inline]
     pub fn kinematics(&self, u: &[[f64; 3]]) -> [f64; F] {
         let mut e = [0.0; F];
@@ -181,7 +179,6 @@ pub fn forces_in_units(program: &ConeProgram, forces: &[[f64; 3]]) -> Vec<[f64; 
 impl Scaled {
     /// Scales a program. Its bodies come in this `order`: here, body k is `order[k]` of the
     /// program.
-    #[must_use]
     pub fn new(program: &ConeProgram, order: &[usize]) -> Self {
         let mut out = Self::default();
         let place = places(order);
@@ -199,7 +196,6 @@ impl Scaled {
     }
 
     /// Scales a program in its own order.
-    #[must_use]
     pub fn natural(program: &ConeProgram) -> Self {
         Self::new(program, &(0..program.bodies.len()).collect::<Vec<_>>())
     }
@@ -264,7 +260,6 @@ impl Scaled {
 
     /// The displacements `u` of free degrees of freedom and the known ones of all others; those of
     /// the images come after them.
-    #[must_use]
     pub fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let of = |i: usize, k: usize| if self.free[i][k] { u[i][k] } else { self.known[i][k] };
         let mut out: Vec<_> = (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect();
@@ -273,13 +268,11 @@ impl Scaled {
     }
 
     /// Number of bodies and images.
-    #[must_use]
     pub fn places(&self) -> usize {
         self.free.len() + self.images.count()
     }
 
     /// The bodies of an interaction, whether or not the second takes part as an image.
-    #[must_use]
     pub fn pair(&self, local: &Local) -> [usize; 2] {
         let [a, b] = local.arms.bodies;
         [a as usize, self.images.body(b as usize)]
@@ -287,7 +280,6 @@ impl Scaled {
 
     /// The interaction between two bodies that remains of one with an image if the cell is held at
     /// the displacements `u`.
-    #[must_use]
     pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
         let mut out = local.clone();
         let Arms { bodies, rows } = &mut out.arms;

@@ -23,7 +23,6 @@ const MAX_RESIDUAL: f64 = 0.01 * DEFAULT_RESIDUAL;
 
 /// Which bodies sleep; `None` if none does. `moved` are the displacements of the last solution, the
 /// unit of displacements.
-#[must_use]
 pub fn find(program: &ConeProgram, moved: &[[f64; 3]]) -> Option<Vec<bool>> {
     let forces = &program.last_forces;
     if forces.is_empty() || !program.is_dynamic() || program.cell.is_some() {

@@ -48,7 +48,6 @@ pub struct Coulomb {
 
 impl Coulomb {
     /// A solver with these settings.
-    #[must_use]
     pub fn new(settings: CoulombSettings) -> Self {
         Self { settings, ..Self::default() }
     }
@@ -59,7 +58,6 @@ impl Coulomb {
     /// `None` where sweeps do not apply, where bodies sleep, which the associated solver leaves out,
     /// and where nothing slides: both laws then have the same solution, and the associated one is the
     /// more exact. `moved` are the displacements of the last solution, m and rad.
-    #[must_use]
     pub fn sweep(
         program: &ConeProgram,
         moved: &[[f64; 3]],

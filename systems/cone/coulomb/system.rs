@@ -115,7 +115,6 @@ impl<'a> System<'a> {
     }
 
     /// Factorises the derivative at a point; whether it has an inverse.
-    #[must_use]
     pub fn factorise(&mut self, z: &Vector) -> bool {
         self.matrix.clear();
         let mut values = self.matrix.assembly();

@@ -38,7 +38,6 @@ pub struct Multipliers {
 
 /// The multipliers under a law that follow from the kinematics `e` and the forces `f` of an
 /// interaction.
-#[must_use]
 pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3]) -> Multipliers {
     let l = &c.limits;
     let slip = if l.has_shear() {
@@ -59,14 +58,12 @@ pub fn multipliers(law: SlidingLaw, c: &Interaction, e: &Kinematics, f: &[f64; 3
 
 /// The four residuals of a solution. The force of a regularisation counts as an error of the
 /// balance.
-#[must_use]
 pub fn residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 0.0)
 }
 
 /// The residuals of the program that the solver was given: the force of a regularisation is part of
 /// the balance.
-#[must_use]
 pub fn regularised_residuals(program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     evaluate(program, solution, 1.0)
 }
@@ -83,7 +80,6 @@ pub const MAX_BALANCE: f64 = 1e-11;
 /// with `k dt^2/m = 1e7` turns it into 1e7 times as much force. Inertia is negligible there. The
 /// displacements of the solver are kept if they solve the program and the residual of its balance
 /// is at most [`MAX_BALANCE`]. Rigid contacts have the unit of free motion instead.
-#[must_use]
 pub fn choose_displacements(
     program: &ConeProgram,
     solution: &mut ConeSolution,
@@ -143,7 +139,6 @@ fn each(
 /// The bodies at the maximum residual of a solution: one body twice if it is a residual of the
 /// balance, else the two bodies of an interaction. `None` for a solution without forces and
 /// displacements.
-#[must_use]
 pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[usize; 2]> {
     let ConeSolution { forces, displacements, .. } = solution;
     if forces.len() != program.interactions.len() || displacements.len() != program.bodies.len() {
@@ -161,7 +156,6 @@ pub fn worst_bodies(program: &ConeProgram, solution: &ConeSolution) -> Option<[u
 /// ```
 ///
 /// Unlike a product of force and gap it is not small where both are small and neither vanishes.
-#[must_use]
 pub fn natural_map(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let ConeSolution { law, forces, displacements, .. } = solution;
     let units = Units::of(program, forces, displacements);
@@ -210,7 +204,6 @@ impl<'a> Carrying<'a> {
     /// In statics an interaction carries a force above 1e-9 of the maximum force. In dynamics a
     /// solution may have products up to the tolerance, and the force must also exceed the gap, each
     /// over its maximum.
-    #[must_use]
     pub fn new(program: &'a ConeProgram, solution: &'a ConeSolution) -> Self {
         let force = force_scale(program, &solution.forces);
         let dynamic = program.is_dynamic();
@@ -222,7 +215,6 @@ impl<'a> Carrying<'a> {
     }
 
     /// Whether interaction `k` carries a normal force.
-    #[must_use]
     pub fn is_carrying(&self, k: usize) -> bool {
         let (c, f) = (&self.program.interactions[k], &self.solution.forces[k]);
         let p = f[0].abs();

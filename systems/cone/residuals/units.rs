@@ -30,7 +30,6 @@ pub(crate) fn min_force(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
 ///
 /// Contact forces count if they act on a free degree of freedom. Between a rigid wall and a disk
 /// that is held against it any force is a solution, and relative to 1e24 N no error would show.
-#[must_use]
 pub fn force_scale(program: &ConeProgram, forces: &[[f64; 3]]) -> f64 {
     let felt = |body: u32, direction: DVec2, normal_arm: f64| {
         let body = &program.bodies[body as usize];
@@ -66,7 +65,6 @@ pub(crate) fn applied_force(program: &ConeProgram) -> f64 {
 
 /// Maximum displacement, m, between 1e-6 and 1 mean radii: relative to a body that a solver throws
 /// far away every error of the other bodies would look small.
-#[must_use]
 pub fn displacement_scale(program: &ConeProgram, displacements: &[[f64; 3]]) -> f64 {
     let length = program.scales.length;
     displacements.iter().map(|u| u[0].hypot(u[1])).fold(1e-6 * length, f64::max).min(length)

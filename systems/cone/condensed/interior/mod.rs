@@ -64,7 +64,6 @@ use crate::program::SolveStatus;
 /// Runs the method from displacements and forces, without forces from the elastic trial at the
 /// displacements, until the judge accepts a point near the goal or a proof, or the residual no
 /// longer falls: the end is then stalled, and the point the best one.
-#[must_use]
 pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,

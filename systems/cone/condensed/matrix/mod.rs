@@ -77,7 +77,6 @@ impl<A: Arithmetic> Matrix<A> {
     ///
     /// # Panics
     /// If a pair has a body that is not one of them.
-    #[must_use]
     pub fn new(bodies: usize, pairs: &[(u32, u32)]) -> Self {
         let (fronts, places) = layout::of_pairs(bodies, pairs);
         Self {
@@ -92,7 +91,6 @@ impl<A: Arithmetic> Matrix<A> {
     }
 
     /// Bodies in the order of elimination. All other functions number bodies by this order.
-    #[must_use]
     pub fn order(&self) -> &[usize] {
         &self.fronts.order
     }
@@ -111,27 +109,23 @@ impl<A: Arithmetic> Matrix<A> {
     }
 
     /// Whether there is work for several threads.
-    #[must_use]
     pub fn is_shared(&self) -> bool {
         self.factor.is_shared()
     }
 
     /// Number of tasks into which the tree of fronts is cut for several threads.
-    #[must_use]
     pub fn tasks(&self) -> usize {
         self.fronts.tasks.len()
     }
 
     /// Work of the longest path of the tree of fronts over that of the whole tree, where `threads`
     /// threads share the work on large fronts: a lower bound of the part of the time that they take.
-    #[must_use]
     pub fn longest_path(&self, threads: usize) -> f64 {
         self.fronts.longest_path(threads)
     }
 
     /// Ranges of bodies, in the order of elimination, that no pair joins: several threads can work
     /// on them at once. Empty if the work is too small for that.
-    #[must_use]
     pub fn branches(&self) -> Vec<Range<usize>> {
         self.extents().into_iter().map(|[bodies, _]| bodies).collect()
     }
@@ -221,7 +215,6 @@ impl<A: Arithmetic> Matrix<A> {
 
 impl BodyMatrix {
     /// Maximum value on the diagonal.
-    #[must_use]
     pub fn max_diagonal(&self) -> f64 {
         let on_diagonal =
             |block: &<Cholesky as Arithmetic>::Body| Cholesky::DIAGONAL.map(|k| block[k]);
@@ -260,13 +253,11 @@ impl BodyMatrix {
 
 impl UnsymmetricMatrix {
     /// Factorises; whether all pivots are finite and none is zero.
-    #[must_use]
     pub fn factorise(&mut self) -> bool {
         in_pool(self.is_shared(), || self.factorise_with(None))
     }
 
     /// Sign of the determinant of the matrix that was factorised last.
-    #[must_use]
     pub fn sign(&self) -> f64 {
         self.factor.parts().map(|part| part.sign).product()
     }
