@@ -29,7 +29,6 @@ ROCK = [
     "cohesion: 195.0e6, tensile_strength: 144.0e6)",
     "walls.bottom.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
     "walls.top.contact=(normal_stiffness: 3.4e10, tangential_stiffness: 3.4e10, friction: 0.4)",
-    "acceptance=(throw: 1.0)",
 ]
 STRAINS = [1.0e-3, 2.0e-3]
 LAST_STRAIN = 2.5e-3
