@@ -95,7 +95,6 @@ impl PluginGroup for ClasticPlugins {
             .add(systems::assemble_program::AssembleProgramPlugin)
             .add(systems::solve_program::SolveProgramPlugin)
             .add(systems::attempt::AttemptPlugin)
-            .add(systems::step_control::StepControlPlugin)
             .add(systems::update_state::UpdateStatePlugin)
             .add(systems::rupture::bonds::RuptureBondsPlugin)
             .add(systems::energy_ledger::EnergyLedgerPlugin)

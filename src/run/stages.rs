@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::increment::ClasticProgress;
-use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::IncrementDue;
 
@@ -84,7 +83,6 @@ fn begin(world: &mut World, stage: Stage) {
     script.stop = false;
     let is_reference = index == script.reference_stage();
     until::begin(world, &stage);
-    world.remove_resource::<StepControl>();
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
     select_groups(world);

@@ -82,8 +82,6 @@ pub enum Runs {
     Grid(IndexMap<String, Vec<Verbatim>>),
     /// One run per entry, which gives its names their values.
     List(Vec<IndexMap<String, Verbatim>>),
-    /// One run per row of a CSV file, relative to that of the study. Its columns are names.
-    Table(PathBuf),
     /// The runs of each entry, one entry after the other. A run lacks the names that only other
     /// entries have.
     Several(Vec<Runs>),
@@ -98,7 +96,7 @@ pub enum StudyError {
     /// What it asks for is wrong.
     #[error("{}: {message}", file.display())]
     Plan {
-        /// The file: that of the study, or the table of its runs.
+        /// The file of the study.
         file: PathBuf,
         /// The mistake and its remedy.
         message: String,

@@ -28,14 +28,14 @@ type Load<'a> = &'a dyn Fn(Wanted<'_>) -> Result<LoadedScene, String>;
 /// Plans a study. `file` is that of the study.
 pub fn plan(study: &Study, file: &Path, load: Load<'_>) -> Result<Plan, StudyError> {
     let wrong = |message: String| StudyError::new(file, message);
-    let mut rows = combinations(&study.runs, file)?;
+    let mut rows = combinations(&study.runs);
     if rows.is_empty() {
         return Err(wrong("runs: there are none; give at least one".to_owned()));
     }
     let mut plan = Plan::default();
     for (name, value) in rows.iter_mut().flatten() {
         if name == SCENE && study.scene.is_none() {
-            // A table has the bare name, a list or grid a string in RON.
+            // The value is a string in RON.
             *value = value.trim_matches('"').to_owned();
         }
         if !plan.names.contains(name) {

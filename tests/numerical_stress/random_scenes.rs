@@ -345,7 +345,6 @@ fn load(
         membranes: Default::default(),
         remove_membranes: Vec::new(),
         cell: None,
-        accuracy: None,
         stop: Vec::new(),
     }
 }

@@ -76,9 +76,6 @@ pub struct Load {
     pub remove_membranes: Vec<String>,
     /// Control of the periodic cell, boxed since few stages have one.
     pub cell: Option<Box<CellControl>>,
-    /// Error of the mean stress at which the increments aim, over the stress; without it they are
-    /// those that the stage asks for.
-    pub accuracy: Option<f64>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,

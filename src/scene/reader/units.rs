@@ -88,8 +88,9 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "force" | "Force" => "N",
         "moment" => "N m",
         "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
-        | "turn" | "deviation" | "accuracy" | "remains" | "agitation" | "affine" | "Porosity"
-        | "StressDrop" => "",
+        | "turn" | "deviation" | "remains" | "agitation" | "affine" | "Porosity" | "StressDrop" => {
+            ""
+        }
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,
         _ => return None,
