@@ -64,7 +64,7 @@ pub fn too_far(
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.
 /// Grains whose whole translation is imposed do not count.
-pub fn of_loaded(solved: Solved) -> f64 {
+pub(crate) fn of_loaded(solved: Solved) -> f64 {
     let Solved { bodies, program, .. } = solved;
     let pairs = of_pairs(solved, |k| program.interactions[k].normal);
     let of_free = (0..bodies.particles).filter(|i| !is_imposed(bodies, *i));
@@ -73,13 +73,13 @@ pub fn of_loaded(solved: Solved) -> f64 {
 
 /// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the
 /// specimen bends; where a contact turns, a grain jumps to other support.
-pub fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
+pub(crate) fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
     let is_bonded = bodies.bonds.iter().any(|bond| [bond.a, bond.b].contains(&(grain as u32)));
     is_bonded.then_some(turn)
 }
 
 /// Whether a solution moves grains so far that they lack support.
-pub fn is_unsupported(solved: Solved) -> bool {
+pub(crate) fn is_unsupported(solved: Solved) -> bool {
     solved.solution.displacements.len() == solved.bodies.rows_in_program()
         && furthest(solved, false).is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }

@@ -14,7 +14,7 @@ use super::exit::{Exit, Failure, say};
 
 /// Arguments of an export.
 #[derive(Args)]
-pub struct ExportArgs {
+pub(crate) struct ExportArgs {
     /// Directory of the run
     #[arg(value_name = "DIR")]
     directory: PathBuf,

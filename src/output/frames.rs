@@ -98,7 +98,7 @@ pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError
 /// Frames that may have to be written later. A checkpoint does not have them: they follow from the
 /// world, or are on the disk by then.
 #[derive(Resource, Debug, Default)]
-pub struct FrameMoments {
+pub(crate) struct FrameMoments {
     /// State at the start of the reference stage, until its first increment.
     start: Option<Frame>,
     /// State at the peak so far, unless it is on the disk.

@@ -20,7 +20,7 @@ use crate::scene::shown::label;
 const GOOD: f64 = 1e-6;
 
 /// The complaint about an undecided increment, with its place and advice.
-pub fn with_advice(world: &mut World, stage: &Stage, complaint: String) -> String {
+pub(crate) fn with_advice(world: &mut World, stage: &Stage, complaint: String) -> String {
     let increment = world.resource::<ClasticProgress>().increment;
     let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
     let forced = locked.then(|| forced(world.resource::<ConeProgram>())).flatten();

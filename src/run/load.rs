@@ -41,7 +41,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
 
 /// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the
 /// rest.
-pub fn begin_custom(world: &mut World, stage: &scene::CustomStage) {
+pub(crate) fn begin_custom(world: &mut World, stage: &scene::CustomStage) {
     set_up(world, stage.analysis, stage.gravity, stage.increments);
 }
 

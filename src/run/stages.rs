@@ -20,7 +20,7 @@ pub struct CurrentStage(pub Stage);
 
 /// Ends finished stages and begins the next ones, up to a stage that needs an increment or to the
 /// end of the run. Exclusive, because it runs schedules.
-pub fn change_stages(world: &mut World) {
+pub(crate) fn change_stages(world: &mut World) {
     let due = loop {
         let script = world.resource::<Script>();
         if script.outcome.is_some() {

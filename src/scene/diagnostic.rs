@@ -9,7 +9,7 @@ use super::spans::nearest;
 use super::tree::Node;
 
 /// Maximum number of diagnostics that are shown.
-pub const MAX_SHOWN: usize = 20;
+pub(crate) const MAX_SHOWN: usize = 20;
 
 /// A field of a scene with an invalid value, not yet assigned to a place in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]

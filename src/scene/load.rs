@@ -32,7 +32,7 @@ pub struct LoadedScene {
 
 impl LoadedScene {
     /// File of the stored specimen or saved state that the scene names.
-    pub fn specimen_file(&self) -> Option<PathBuf> {
+    pub(crate) fn specimen_file(&self) -> Option<PathBuf> {
         match &self.scene.specimen {
             Specimen::File { path, .. } | Specimen::State { path, .. } => {
                 Some(self.path.parent().unwrap_or(Path::new("")).join(path))

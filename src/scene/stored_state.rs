@@ -47,7 +47,7 @@ impl StoredSpecimen {
     }
 
     /// Whether these are the particles of a run that is resumed, which its scene has cut already.
-    pub fn is_resumed(&self) -> bool {
+    pub(crate) fn is_resumed(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.saved.is_none())
     }
 }

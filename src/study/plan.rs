@@ -17,7 +17,7 @@ use crate::scene::{LoadedScene, suggest};
 const DIGITS: usize = 12;
 
 /// Setting that gives a scene its saved state.
-pub fn state_at(path: &Path) -> String {
+pub(crate) fn state_at(path: &Path) -> String {
     // A path in RON is a string, in which `\` begins an escape.
     format!("specimen.path={:?}", path.display().to_string())
 }

@@ -115,7 +115,7 @@ pub(crate) struct Turning<'a> {
 
 impl Turning<'_> {
     /// Moment, N m, that the group loses in the program where it turns by `angle`, rad.
-    pub fn lost_at(&self, angle: f64) -> f64 {
+    pub(crate) fn lost_at(&self, angle: f64) -> f64 {
         self.lost + self.stiffness * (angle - self.angle)
     }
 }

@@ -46,7 +46,7 @@ impl FrictionLaw {
     pub const COULOMB: Self = Self::Coulomb { factorisations: Coulomb::FACTORISATIONS };
 
     /// The law by kind of analysis.
-    pub fn by_analysis(self) -> increment::FrictionLaw {
+    pub(crate) fn by_analysis(self) -> increment::FrictionLaw {
         let (in_statics, in_dynamics) = match self {
             Self::Associated => (None, None),
             Self::ByAnalysis => (None, Some(Coulomb::default())),

@@ -33,7 +33,7 @@ pub struct CellControl {
 
 impl CellControl {
     /// Whether the mean of width and height is controlled, in place of each of them.
-    pub fn is_by_mean(&self) -> bool {
+    pub(crate) fn is_by_mean(&self) -> bool {
         self.mean.is_some() || self.difference.is_some()
     }
 

@@ -24,7 +24,7 @@ impl Default for Output {
 
 impl Scene {
     /// Whether the scene asks for frames beside those of start, peak and end.
-    pub fn asks_for_frames(&self) -> bool {
+    pub(crate) fn asks_for_frames(&self) -> bool {
         let asks = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
         self.output.frames_every > 0 || self.stages.iter().filter_map(Stage::record).any(asks)
     }

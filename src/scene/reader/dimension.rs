@@ -25,11 +25,11 @@ impl Dimension {
         Self { has_literal: true, ..Self::default() }
     }
 
-    pub fn of_name(name: &str) -> Self {
+    pub(crate) fn of_name(name: &str) -> Self {
         Self { names: [(name.to_owned(), 1.0)].into(), ..Self::default() }
     }
 
-    pub fn of_unit(unit: &str) -> Self {
+    pub(crate) fn of_unit(unit: &str) -> Self {
         let powers = parse(&unit.replace('^', "")).map_or([0; 4], |(_, powers)| powers);
         let [m, kg, s, _] = powers.map(f64::from);
         Self { powers: [m, kg, s], ..Self::default() }

@@ -124,7 +124,7 @@ impl Failure {
     }
 
     /// The finding of a missing field, if that is why.
-    pub fn missing_field(&self) -> Option<Placed> {
+    pub(crate) fn missing_field(&self) -> Option<Placed> {
         let (path, at) = self.place.as_ref()?;
         let field = self.field?;
         let path = join(path, field);

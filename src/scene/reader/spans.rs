@@ -70,7 +70,7 @@ impl Step {
 }
 
 /// Parses a path; `None` if it is malformed. The empty path is the scene itself.
-pub fn parse_path(path: &str) -> Option<Vec<Step>> {
+pub(crate) fn parse_path(path: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     let mut rest = path;
     while !rest.is_empty() {
@@ -112,7 +112,7 @@ pub fn join(path: &str, name: &str) -> String {
 }
 
 /// Writes a path; the inverse of [`parse_path`].
-pub fn write_path(steps: &[Step]) -> String {
+pub(crate) fn write_path(steps: &[Step]) -> String {
     steps.iter().fold(String::new(), |path, step| step.after(&path))
 }
 

@@ -35,7 +35,7 @@ const MAX_PRODUCTS: f64 = 10.0;
 const MIN_TAU: f64 = 1e-12;
 
 /// The current point, its residuals, and the step that leads on from it.
-pub struct Iteration<'a> {
+pub(crate) struct Iteration<'a> {
     program: &'a Scaled,
     matrix: &'a mut BodyMatrix,
     settings: &'a InteriorSettings,
@@ -140,7 +140,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Makes the last step in the interactions, and evaluates all residuals.
-    pub fn update_residuals(&mut self) {
+    pub(crate) fn update_residuals(&mut self) {
         let Self { groups, u, length, .. } = self;
         self.program.balance_of_bodies(u, &mut self.balance);
         let sizes = groups.scatter(&mut self.balance, |cells, balance| {
@@ -213,7 +213,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Copies the last step of the point, displacements and forces.
-    pub fn store_step(&mut self, point: &mut Interior) {
+    pub(crate) fn store_step(&mut self, point: &mut Interior) {
         point.u.copy_from_slice(&self.du[..self.program.free.len()]);
         for_each!(cell in self.groups => cell.store_steps(&mut point.s));
     }
