@@ -326,6 +326,18 @@ mod tests {
         assert!(all.contains("in static stages") && !all.contains("in dynamic stages"), "{all}");
     }
 
+    #[test]
+    fn a_summary_marks_a_peak_at_a_capped_increment() {
+        let results = Results {
+            peak_stress_pa: Some(2.5e5),
+            strain_at_peak: Some(0.01),
+            peak_is_capped: true,
+            ..Results::default()
+        };
+        let said = said([(28, 0), (7, 7)], true, &results);
+        assert!(!said.contains("E = ") && said.contains("peak stress (capped) "), "{said}");
+    }
+
     /// A slope that collapsed at one weight was "solved" at the next.
     #[test]
     fn a_summary_names_what_was_solved_after_a_collapse() {

@@ -26,11 +26,8 @@ pub(crate) fn write_kept(world: &mut World) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Writes the state at the end of a run. A program without the feature `npz` writes none.
+/// Writes the state at the end of a run.
 pub(crate) fn write_final(world: &mut World) -> Result<(), OutputError> {
-    if !cfg!(feature = "npz") {
-        return Ok(());
-    }
     let path = world.resource::<RunDirectory>().path(directory::FINAL_STATE);
     let tables = saved::save(world).map_err(OutputError::at(&path))?;
     write_atomic(&path, tables.encode().map_err(OutputError::at(&path))?)

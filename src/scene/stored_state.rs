@@ -171,7 +171,7 @@ impl StoredState {
             cell: match world.bytes(PERIODIC_CELL) {
                 Some(_) => {
                     let cell: PeriodicCell = world.get(PERIODIC_CELL)?;
-                    Some(Cell { size: (cell.width, cell.height), tilt: cell.tilt })
+                    Some(Cell { size: (cell.width, cell.height) })
                 }
                 None => None,
             },

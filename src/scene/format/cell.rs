@@ -2,15 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A periodic cell: the specimen repeats along (width, 0) and (tilt, height), without walls.
+/// A periodic cell: the specimen repeats along its width and its height, without walls. Stages may
+/// shear it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {
     /// Width and height, m.
     pub size: (f64, f64),
-    /// Component along x of the second vector, m.
-    #[serde(default)]
-    pub tilt: f64,
 }
 
 /// Control of a periodic cell in a stage. A component that is left out keeps its stress if it is

@@ -70,8 +70,8 @@ pub(super) fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
 /// that of a number.
 pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
-        "position" | "size" | "tilt" | "radius" | "radii" | "limits" | "spacing" | "origin"
-        | "start" | "moved" | "end" | "min" | "max" | "about" | "centre" | "length" | "step"
+        "position" | "size" | "radius" | "radii" | "limits" | "spacing" | "origin" | "start"
+        | "moved" | "end" | "min" | "max" | "about" | "centre" | "length" | "step"
         | "thickness" | "ball" | "Height" | "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
@@ -87,10 +87,8 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "rolling_stiffness" => "N m/rad",
         "force" | "Force" => "N",
         "moment" => "N m",
-        "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
-        | "turn" | "deviation" | "remains" | "agitation" | "affine" | "Porosity" | "StressDrop" => {
-            ""
-        }
+        "theta" | "friction" | "rolling_friction" | "restitution" | "residual" | "turn"
+        | "deviation" | "remains" | "agitation" | "affine" | "Porosity" | "StressDrop" => "",
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,
         _ => return None,
