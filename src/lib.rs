@@ -50,6 +50,7 @@ pub mod saved;
 pub mod scene;
 pub mod study;
 pub mod tables;
+pub mod text;
 
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};

@@ -11,7 +11,7 @@ use crate::run::stages::Script;
 use crate::run::{Collapse, EndedBy, Outcome, StageEnd};
 use crate::scene::format::{Analysis, RuptureOrder, Scene, Stage};
 use crate::scene::one_round::one_round;
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 /// Text of the summary: how the run ended after `increment` increments, key results, directory.
 pub fn summary(

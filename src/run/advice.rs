@@ -14,7 +14,7 @@ use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 
 use super::compact;
 use crate::scene::format::{Compact, CompactBy, Stage};
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 /// A solution whose maximum residual is below this is usable, although it misses the tolerance.
 const GOOD: f64 = 1e-6;

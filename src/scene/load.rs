@@ -3,19 +3,19 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::courses::gather;
-use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
-use super::edited::EditedText;
 use super::files::{decode, read_at_most};
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
-use super::reader::read;
 use super::repeats::Written;
-use super::scan::scan;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
 use super::validate::findings;
-use super::values;
+use crate::text::courses::gather;
+use crate::text::diagnostic::{Finding, Placed, SceneErrors, place, within};
+use crate::text::edited::EditedText;
+use crate::text::read;
+use crate::text::scan::scan;
+use crate::text::values;
 
 /// A scene that was read and checked.
 #[derive(Clone, Debug)]

@@ -15,11 +15,11 @@ use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::PERIODIC_CELL;
 use clastic_systems::state::{StateError, WorldState};
 
-use super::diagnostic::SceneErrors;
 use super::files::read_at_most;
 use super::format::{Cell, Scene, Specimen, Wall};
 use crate::saved::{SavedError, SavedState};
 use crate::tables::Tables;
+use crate::text::diagnostic::SceneErrors;
 
 /// A specimen that is stored in a file.
 #[derive(Clone, Debug, Default, PartialEq)]

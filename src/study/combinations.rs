@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 
 use super::format::Runs;
-use crate::scene::reader::read::Verbatim;
+use crate::text::read::Verbatim;
 
 /// Names and values of a run, the values in RON.
 pub(super) type Values = Vec<(String, String)>;

@@ -19,11 +19,9 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 
 use crate::scene::SceneErrors;
-use crate::scene::reader::read::Verbatim;
-use crate::scene::reader::read::read_sound;
-
-/// Version of the format that this build reads.
-pub const VERSION: u32 = 1;
+use crate::text::VERSION;
+use crate::text::read::Verbatim;
+use crate::text::read::read_sound;
 
 /// A study: runs of one scene with other settings.
 #[derive(Debug, Deserialize)]

@@ -9,8 +9,9 @@ use super::format::{Preparation, SCENE, Study, StudyError, sets};
 use super::planned::{Plan, PlannedRun, Start, Wanted};
 use crate::output::directory;
 use crate::output::run_record::{CLASTIC_VERSION, sha256};
+use crate::scene::LoadedScene;
 use crate::scene::format::{Save, Scene, Specimen, Stage};
-use crate::scene::{LoadedScene, suggest};
+use crate::text::suggest;
 
 /// Number of hexadecimal digits of the hash that name a directory: two of a million runs have
 /// one name with a probability of 2e-3.

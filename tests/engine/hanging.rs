@@ -86,7 +86,7 @@ fn bonds_hold_what_hangs_above_its_centre_of_mass() {
     let hexagon: Vec<[f64; 2]> = [[x, y]].into_iter().chain(hexagon).collect();
     let along = |k: f64| [x + 0.2 * k * 0.3f64.cos(), y + 0.2 * k * 0.3f64.sin()];
     let bar = vec![[x, y], along(1.0), along(2.0)];
-    let group = "rigid: {\"bar\": (select: Index([1, 2, 3]))}";
+    let group = "rigid: {\"bar\": (select: Index([1, 2, 3]))},";
     for (name, hung, extra) in [("chain", chain, ""), ("hexagon", hexagon, ""), ("bar", bar, group)]
     {
         for (bond, increments) in [strong, &elastic].into_iter().flat_map(|b| [(b, 1), (b, 10)]) {

@@ -21,7 +21,7 @@ use crate::scene::format::{
     Analysis, Load, Motion, Particle, Scene, Slide, Specimen, Stage, Strain, Table, Wall,
     WallControl,
 };
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 /// Name of [`Untouched`] in a state.
 pub(crate) const UNTOUCHED: &str = "sanity.untouched";

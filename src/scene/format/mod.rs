@@ -35,6 +35,7 @@ pub use clastic_components::observation::{
 };
 pub use clastic_components::wall::WallSlide as Slide;
 
+pub use crate::text::VERSION;
 pub use analysis::{Analysis, FrictionLaw, Solver};
 pub use cell::{Cell, CellControl, CellTarget};
 pub use compact::{Compact, CompactBy, CompactTarget};
@@ -48,9 +49,6 @@ pub use specimen::{ExplicitBond, Mineral, Particle, Sizes, Specimen};
 pub(super) use stages::MAX_STAGES;
 pub use stages::{Cement, CustomStage, Remove, Save, Stage, Stop};
 pub use walls::{LidLoad, Table, Wall, WallControl, WallShape};
-
-/// Version of the format.
-pub const VERSION: u32 = 1;
 
 /// A scene: materials, a specimen, walls, and stages.
 #[derive(Clone, Debug, Deserialize, Serialize)]

@@ -1,8 +1,8 @@
 //! Paths and places.
 
 use super::samples::FULL;
-use crate::scene::scan::scan;
-use crate::scene::spans::{Spans, Step, nearest, parse_path, write_path};
+use crate::text::scan::scan;
+use crate::text::spans::{Spans, Step, nearest, parse_path, write_path};
 
 #[track_caller]
 fn says(path: &str, value: &str) {

@@ -4,7 +4,7 @@ use crate::scene::format::{Scene, Select, Sizes, Specimen};
 use crate::scene::limits::MAX_PARTICLES;
 use crate::scene::memory;
 use crate::scene::stored_state::StoredSpecimen;
-use crate::scene::suggest;
+use crate::text::suggest;
 
 use super::findings::At;
 use super::places::walls_before;

@@ -6,10 +6,10 @@ use std::ops::{Deref, DerefMut};
 
 use clastic_components::domain::{Domain, PLACE};
 
-use crate::scene::diagnostic::{Finding, within};
 use crate::scene::format::Analysis;
 use crate::scene::limits::{MAX_NUMBER, MIN_NUMBER};
-use crate::scene::spans::join;
+use crate::text::diagnostic::{Finding, within};
+use crate::text::spans::join;
 
 use super::Context;
 
