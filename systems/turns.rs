@@ -18,7 +18,7 @@ use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::findings::Corrections;
 use clastic_components::increment::Acceptance;
 use clastic_components::wall_shape::Curve;
-use clastic_cone::program::ConeSolution;
+use clastic_cone::program::{ConeSolution, Interaction};
 use glam::DVec2;
 
 use crate::solved::Solved;
@@ -44,11 +44,13 @@ const UNSUPPORTED: f64 = 5.0;
 /// The grain with the maximum turn, and this turn, rad: in the increment, or with `is_followed` from
 /// the normals of the program.
 pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
-    let turns = if is_followed {
-        of_grains(solved, &of_pairs(solved, |k| solved.program.interactions[k].normal))
-    } else {
-        turns(solved)
+    // A rigid bond remembers the way: its slip is that of its first normal.
+    let has_no_memory = |c: &Interaction| c.tangential_compliance > 0.0 || !c.limits.has_shear();
+    let normal = |k: usize| match &solved.program.interactions[k] {
+        c if is_followed && has_no_memory(c) => c.normal,
+        _ => solved.contacts.0[k].normal,
     };
+    let turns = of_grains(solved, &of_pairs(solved, normal));
     turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 

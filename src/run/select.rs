@@ -36,6 +36,7 @@ pub fn selects(select: &Select, groups: &BTreeMap<String, Select>, of: &Candidat
     match select {
         Select::All => true,
         Select::Index(list) => list.contains(&of.index),
+        Select::Range(first, last) => (*first..=*last).contains(&of.index),
         Select::Material(name) => of.material == Some(name),
         Select::Group(name) => match groups.get(name) {
             Some(select) => has(select),
@@ -154,6 +155,7 @@ mod tests {
         assert!(!has(&Select::Intersection(vec![ell, disk]), -0.5, 0.0));
         let layer = Select::Layer { normal: (0.0, 2.0), from: 0.1, to: 0.2 };
         assert!(has(&layer, 9.0, 0.15) && !has(&layer, 9.0, 0.3));
+        assert!(has(&Select::Range(1, 3), 0.0, 0.0) && !has(&Select::Range(4, 9), 0.0, 0.0));
         assert!(has(&Select::Material("sand".to_owned()), 0.0, 0.0));
         assert!(has(&Select::Loose(3), 0.0, 0.0) && !has(&Select::Loose(2), 0.0, 0.0));
     }

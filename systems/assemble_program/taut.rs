@@ -17,16 +17,20 @@ use clastic_cone::program::{ConeProgram, Interaction, Limits};
 use glam::DVec2;
 
 use super::Trial;
+use super::regularise::MIN_LOAD;
 use crate::solved::Solved;
 
-/// Elongation over the length below which an elastic contact counts as slack.
-const MIN_ELONGATION: f64 = 1e-9;
-
-/// The force, N, that pulls a grain back which moves along the tangent of a contact, and the length, m, on
-/// which it swings. `tension` is that of the last solution: the gap does not tell it, because a bond that
-/// has turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
-/// of its grain stretches it.
-fn pull(bodies: &BodyTable, contact: &Contact, c: &Interaction, tension: f64) -> Option<[f64; 2]> {
+/// The force, N, above `least`, that pulls a grain back which moves along the tangent of a contact, and the
+/// length, m, on which it swings. `tension` is that of the last solution: the gap does not tell it, because
+/// a bond that has turned by 0.02 rad in a step with constant normals is as much longer as a thousand
+/// times the weight of its grain stretches it.
+fn pull(
+    bodies: &BodyTable,
+    contact: &Contact,
+    c: &Interaction,
+    tension: f64,
+    least: f64,
+) -> Option<[f64; 2]> {
     let (force, length) = if (contact.b as usize) < bodies.particles {
         (tension.min(c.limits.tension), c.arm_a + c.arm_b)
     } else {
@@ -36,9 +40,7 @@ fn pull(bodies: &BodyTable, contact: &Contact, c: &Interaction, tension: f64) ->
             Curve::Flat | Curve::Round(_) => return None,
         }
     };
-    let is_rigid = c.normal_compliance == 0.0;
-    let counts = is_rigid || force * c.normal_compliance > MIN_ELONGATION * length;
-    (force > 0.0 && length > 0.0 && counts).then_some([force, length])
+    (force > least && length > 0.0).then_some([force, length])
 }
 
 /// Appends the ties.
@@ -47,11 +49,13 @@ pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
         return;
     }
     let ConeProgram { interactions, last_forces, .. } = program;
+    let sizes = last_forces.iter().map(|[p, q, _]| p.hypot(*q));
+    let least = MIN_LOAD * sizes.fold(0.0, f64::max);
     for (k, contact) in trial.contacts.0.iter().enumerate() {
         let c = interactions[k];
         let guess = trial.corrections.of((contact.a, contact.b));
         let tension = guess.map_or(-last_forces[k][0], |guess| guess.tension);
-        if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension) {
+        if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension, least) {
             interactions.push(Interaction {
                 normal: c.normal.perp(),
                 offset: guess.map_or(0.0, |guess| guess.tie),

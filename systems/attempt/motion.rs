@@ -205,7 +205,10 @@ pub fn judge_rest(
         attempt.verdict = Verdict::GivesWay("the followed motion moves no grain".to_owned());
         return;
     }
-    if at_rest || travelled <= settings.travel_to_rest {
+    // What hangs may turn by half a turn.
+    let extent = bodies.groups.iter().map(|group| group.extent).fold(0.0, f64::max);
+    let limit = settings.travel_to_rest + std::f64::consts::PI * extent / bodies.mean_radius;
+    if at_rest || travelled <= limit {
         attempt.verdict = if at_rest { Verdict::AtRest } else { Verdict::Moving };
         // Another motion from here would move as little.
         if is_idle {
@@ -216,8 +219,7 @@ pub fn judge_rest(
     let most = moves_most(bodies, program, &solution.displacements);
     let gives_way = format!(
         "the motion under constant loads does not come to rest: its furthest grains travelled more \
-         than {} radii in {} steps{}",
-        settings.travel_to_rest,
+         than {limit:.0} radii in {} steps{}",
         motion.steps + 1,
         most.map_or(String::new(), |most| format!(" ({most})"))
     );

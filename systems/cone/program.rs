@@ -243,9 +243,10 @@ impl ConeProgram {
         Some((body, cell.rows(c.image, self.bodies[body].axis, &[x, y])))
     }
 
-    /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,
-    /// with the weight of a regularisation beside the inertia, so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
-    /// then appears in the displacements, of which the residuals are computed.
+    /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`, with
+    /// the weight of a regularisation beside the inertia, so that momentum holds to round-off whatever
+    /// the solver's tolerance. An error of the forces then appears in the displacements, of which the
+    /// residuals are computed.
     pub(crate) fn displacements_from_forces(&self, solution: &mut ConeSolution) {
         let mut rows = vec![[0.0; 3]; self.bodies.len()];
         self.add_forces(&solution.forces, &mut rows);

@@ -50,6 +50,8 @@ pub enum Select {
     All,
     /// By index in the specimen, from 0.
     Index(Vec<u32>),
+    /// By index in the specimen, from the first to the last.
+    Range(u32, u32),
     /// By material.
     Material(String),
     /// By the name of a group: of the scene, or of the specimen.

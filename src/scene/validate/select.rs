@@ -39,6 +39,11 @@ pub(super) fn select(at: &mut At, select: &Select) {
             let names: Vec<_> = listed.chain(named).collect();
             at.reference("[0]", name, ("probe", "specimen"), &names);
         }
+        Select::Range(first, last) => {
+            let sound = index_exists(at, "[0]", *first) & index_exists(at, "[1]", *last);
+            let help = "give (first, last)";
+            at.refuse(sound && first > last, "[1]", format!("before the first ({last})"), help);
+        }
         Select::Material(name) => {
             at.material("[0]", name);
         }
@@ -202,7 +207,7 @@ fn by_place<'a>(
     groups: &'a BTreeMap<String, Select>,
 ) -> impl Iterator<Item = (String, &'a Select)> {
     let of = |select: &Select| match select {
-        Select::All | Select::Index(_) | Select::Probe(_) => false,
+        Select::All | Select::Index(_) | Select::Range(..) | Select::Probe(_) => false,
         Select::Group(name) if !groups.contains_key(name) => false,
         _ => !select.needs_forces(groups),
     };

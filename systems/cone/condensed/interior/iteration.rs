@@ -357,16 +357,17 @@ impl<'a> Iteration<'a> {
     /// `rest` for both where they are equal. Then makes a whole Newton step, whatever it violates.
     /// Returns whether the point is a number.
     pub fn decide(&mut self, size: f64, rest: f64) -> bool {
-        // No proof is sought any more.
-        self.is_embedded = false;
         for_each!(cell in self.groups => cell.decide(size, rest * rest));
         self.update_residuals();
         self.assemble();
-        if !self.respond() {
+        let [of_residuals, of_products, _] = &self.rights;
+        for (right, (r, p)) in self.right.iter_mut().zip(of_residuals.iter().zip(of_products)) {
+            *right = std::array::from_fn(|k| r[k] + p[k]);
+        }
+        self.du.clone_from(&self.right);
+        if !self.matrix.factorise_shifted_and_solve(&mut self.du) {
             return false;
         }
-        self.right.clone_from(&self.rights[0]);
-        self.du.clone_from(&self.responses[0]);
         self.refine();
         self.set_step([1.0; 2], 0.0);
         let is_finite = self.make_step(1.0, 0.0, 0.0);
