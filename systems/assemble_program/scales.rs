@@ -24,10 +24,10 @@ pub(super) fn estimate(trial: &Trial, program: &ConeProgram) -> Scales {
     let displacement =
         if known > 0.0 { known } else { maximum_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
-    let is_driven = maximum_imposed(bodies) > 0.0;
-    let determined = determined_force(program, interactions, displacement, is_driven);
+    let determined = determined_force(bodies, program, interactions, displacement);
     let remembered = trial.history.0.sizes(length).map(|(.., size)| size).fold(0.0, f64::max);
     let remembered = remembered.min(determined);
+    let is_driven = maximum_imposed(bodies) > 0.0;
     let force = force(remembered, program, interactions, displacement, is_driven);
     match trial.attempt.magnitudes {
         // The magnitudes of a failed attempt are used unless they are round-off, or so large that
@@ -112,16 +112,16 @@ fn softest(interactions: &[Interaction]) -> f64 {
 ///
 /// Rigid bodies that are wedged between others, or bonded in loops, carry forces that nothing determines. A
 /// solver ends with some multiple of its scale of forces. As the next scale they would grow without bound.
-fn determined_force(
+pub(crate) fn determined_force(
+    bodies: &BodyTable,
     program: &ConeProgram,
     interactions: &[Interaction],
     displacement: f64,
-    is_driven: bool,
 ) -> f64 {
     let is_determined = if program.has_momentum() {
         interactions.iter().any(|c| c.limits.has_strength())
     } else {
-        is_driven || program.is_dynamic()
+        program.is_dynamic() || maximum_imposed(bodies) > 0.0
     };
     let forces = free_translations(program).map(|f| f.load.abs() + f.inertia * displacement);
     let sum: f64 = forces.sum();

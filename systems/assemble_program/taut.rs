@@ -51,10 +51,16 @@ pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
     let ConeProgram { interactions, last_forces, .. } = program;
     let sizes = last_forces.iter().map(|[p, q, _]| p.hypot(*q));
     let least = MIN_LOAD * sizes.fold(0.0, f64::max);
+    let (fraction, gravity) = (trial.progress.fraction, trial.analysis.gravity);
+    let loads = (0..trial.bodies.particles).map(|i| trial.bodies.force_on(i, fraction, gravity));
+    let loads: f64 = loads.map(DVec2::length).sum();
     for (k, contact) in trial.contacts.0.iter().enumerate() {
         let c = interactions[k];
         let guess = trial.corrections.of((contact.a, contact.b));
         let tension = guess.map_or(-last_forces[k][0], |guess| guess.tension);
+        // Loops of rigid bodies may carry any force, of which no more than the loads is one of a load.
+        let is_rigid = c.normal_compliance == 0.0;
+        let tension = if is_rigid { tension.clamp(-loads, loads) } else { tension };
         if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension, least) {
             interactions.push(Interaction {
                 normal: c.normal.perp(),
