@@ -218,7 +218,7 @@ impl Chain {
     /// The outer points: of each grain the point of its surface that the resultant of the pressure
     /// on it meets, a radius from the centre against the direction of that force; and of a wall the
     /// foot of the perpendicular from the next one. A grain on which no force acts has its centre.
-    pub(crate) fn outer_points(&self) -> Vec<DVec2> {
+    pub fn outer_points(&self) -> Vec<DVec2> {
         let mut ways = vec![DVec2::ZERO; self.points.len()];
         for (a, b) in self.links() {
             let way = self.points[b] - self.points[a];

@@ -36,7 +36,7 @@ impl Plugin for AnnouncePlugin {
 }
 
 /// Writes a [`Rupture`] message and triggers [`BondBroken`] for every rupture of the increment.
-pub(crate) fn announce_ruptures(
+pub fn announce_ruptures(
     record: Res<Observation>,
     identities: Res<IdentityTable>,
     mut messages: MessageWriter<Rupture>,
@@ -53,7 +53,7 @@ pub(crate) fn announce_ruptures(
 
 /// The pairs that carried a force after the last increment, in ascending order.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub(crate) struct TouchingPairs(Vec<(BodyId, BodyId)>);
+pub struct TouchingPairs(Vec<(BodyId, BodyId)>);
 
 impl StateOf for TouchingPairs {
     fn take(world: &mut World) -> Option<Self> {
@@ -73,7 +73,7 @@ impl StateOf for TouchingPairs {
 /// none of them.
 ///
 /// Each pair is one message [`Collision`], and one event [`BodyHit`] of each of its bodies.
-pub(crate) fn announce_collisions(
+pub fn announce_collisions(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     history: Res<ContactHistory>,

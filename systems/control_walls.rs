@@ -46,7 +46,7 @@ impl Plugin for ControlWallsPlugin {
 }
 
 /// Writes [`AppliedLoad`] for the increment that starts at [`ClasticProgress::done`].
-pub(crate) fn control_loads(
+pub fn control_loads(
     progress: Res<ClasticProgress>,
     mut loaded: Query<(&LoadControl, &mut AppliedLoad)>,
 ) {

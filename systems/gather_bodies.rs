@@ -235,6 +235,6 @@ fn renumber_contacts(rows: Res<KeptRows>, mut history: ResMut<ContactHistory>) {
 }
 
 /// Sets the draft of the contact memory to the memory after the last increment.
-pub(crate) fn draft_history(history: Res<ContactHistory>, mut draft: ResMut<DraftHistory>) {
+pub fn draft_history(history: Res<ContactHistory>, mut draft: ResMut<DraftHistory>) {
     draft.0.clone_from(&history);
 }

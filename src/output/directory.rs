@@ -49,7 +49,7 @@ const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, R
 pub(super) const OF_MOMENTS: [&str; 3] = [FRAME_START, FRAME_PEAK, FRAME_END];
 
 /// Default directory for the results of a scene: `runs/<name of the scene>`.
-pub(crate) fn default_directory(scene: &Path) -> PathBuf {
+pub fn default_directory(scene: &Path) -> PathBuf {
     Path::new("runs").join(scene.file_stem().unwrap_or("scene".as_ref()))
 }
 

@@ -5,7 +5,7 @@ use crate::text::shown::label;
 
 /// Why `rupture.order: Events` does not hold, in words; `None` if it holds in all stages that load
 /// bonds, or if the scene has another order or no bonds. Bonds then break as with `OneRound`.
-pub(crate) fn one_round(scene: &Scene) -> Option<String> {
+pub fn one_round(scene: &Scene) -> Option<String> {
     if scene.rupture.order != RuptureOrder::Events {
         return None;
     }

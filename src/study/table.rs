@@ -15,7 +15,7 @@ use crate::output::marks::marks;
 pub const FILE: &str = "study.csv";
 
 /// Results of `run.json` that are columns, after the values.
-pub(crate) const RESULTS: [&str; 20] = [
+pub const RESULTS: [&str; 20] = [
     "youngs_modulus_pa",
     "youngs_modulus_secant_half_peak_pa",
     "peak_stress_pa",

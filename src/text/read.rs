@@ -37,7 +37,7 @@ pub(crate) fn read_sound<T: DeserializeOwned>(text: &str, file: &Path) -> Result
 
 /// Reads a tree, and records its mistakes. If it has any, the value is what was probably meant;
 /// `None` if nothing can be made of it.
-pub(crate) fn read<T: DeserializeOwned>(root: &Node) -> (Option<T>, Notes) {
+pub fn read<T: DeserializeOwned>(root: &Node) -> (Option<T>, Notes) {
     // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();
     let values = values::names(root);

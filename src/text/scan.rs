@@ -13,7 +13,7 @@ use super::units::is_unit;
 const DEEPEST: usize = 128;
 
 /// Scans a text. Returns all faults, and the value unless a fault prevents it.
-pub(crate) fn scan(text: &str) -> (Option<Node<'_>>, Vec<Placed>) {
+pub fn scan(text: &str) -> (Option<Node<'_>>, Vec<Placed>) {
     let mut scanner = Scanner { text, at: 0, depth: 0, faults: Vec::new() };
     let root = scanner.document();
     let mut faults = scanner.faults;

@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::balance::Rows;
 
-/// Moves the forces on members of rigid groups to the bodies of the groups, with their [levers](lever).
+/// Moves the forces on members of rigid groups to the bodies of the groups, with their levers.
 pub fn join(
     bodies: &BodyTable,
     theta: Option<f64>,

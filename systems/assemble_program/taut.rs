@@ -8,7 +8,7 @@
 //! and its force is at most T. It represents the normal force itself, turned by the motion, and is no
 //! error of the balance. The term of other contacts is negative, destabilises a grain, and cannot be part
 //! of a convex program. Followed motions cover this case. Rigid groups have their own
-//! [stiffness](super::groups::turning).
+//! stiffness, in `groups`.
 
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::AnalysisKind;
@@ -49,7 +49,7 @@ pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
         return;
     }
     let ConeProgram { interactions, last_forces, .. } = program;
-    let sizes = last_forces.iter().map(|[p, q, _]| p.hypot(*q));
+    let sizes = trial.history.0.sizes(trial.bodies.mean_radius).map(|(.., size)| size);
     let least = MIN_LOAD * sizes.fold(0.0, f64::max);
     let (fraction, gravity) = (trial.progress.fraction, trial.analysis.gravity);
     let loads = (0..trial.bodies.particles).map(|i| trial.bodies.force_on(i, fraction, gravity));

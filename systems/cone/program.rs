@@ -247,7 +247,7 @@ impl ConeProgram {
     /// the weight of a regularisation beside the inertia, so that momentum holds to round-off whatever
     /// the solver's tolerance. An error of the forces then appears in the displacements, of which the
     /// residuals are computed.
-    pub(crate) fn displacements_from_forces(&self, solution: &mut ConeSolution) {
+    pub fn displacements_from_forces(&self, solution: &mut ConeSolution) {
         let mut rows = vec![[0.0; 3]; self.bodies.len()];
         self.add_forces(&solution.forces, &mut rows);
         for ((body, row), u) in self.bodies.iter().zip(&rows).zip(&mut solution.displacements) {

@@ -56,7 +56,7 @@ impl CandidatePairs {
     /// holds if the list was built for these disks and `reach + d₁ + d₂` is at most the reach that
     /// it was built for. d₁ and d₂ are the two largest displacements since then: no gap has closed
     /// by more than their sum.
-    pub(crate) fn is_complete(&self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
+    pub fn is_complete(&self, positions: &[DVec2], radii: &[f64], reach: f64) -> bool {
         positions.len() == self.built_positions.len()
             && radii == self.built_radii
             && reach + max_approach(&self.built_positions, positions) <= self.built_reach

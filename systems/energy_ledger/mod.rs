@@ -121,7 +121,7 @@ struct BookedBody {
 
 /// What the increment followed from, and what it left.
 #[derive(SystemParam)]
-pub(crate) struct BookedIncrement<'w> {
+pub struct BookedIncrement<'w> {
     tables: SolvedTables<'w>,
     materials: Res<'w, Materials>,
     analysis: Res<'w, ClasticAnalysis>,
@@ -136,7 +136,7 @@ pub(crate) struct BookedIncrement<'w> {
 }
 
 /// Books the increment that was just committed.
-pub(crate) fn book_energies(
+pub fn book_energies(
     committed: BookedIncrement,
     after: Query<(
         &BodyId,

@@ -104,7 +104,7 @@ pub(crate) const UNLIMITED: f64 = 8192.0;
 
 /// Increases the strengths of intact bonds so that no trial reaches them. The limit of a yielding
 /// rolling moment does not change.
-pub(crate) fn lift_strengths(contacts: &[Contact], interactions: &mut [Interaction]) {
+pub fn lift_strengths(contacts: &[Contact], interactions: &mut [Interaction]) {
     for (contact, c) in contacts.iter().zip(interactions) {
         if contact.bond.is_some() {
             multiply(&mut c.limits, UNLIMITED);
@@ -252,7 +252,7 @@ pub fn collect(
 
 /// Breaks the bonds that the accepted attempt brought to a limit. Their contacts keep the shear
 /// force that friction can carry.
-pub(crate) fn rupture_bonds(
+pub fn rupture_bonds(
     ruptures: Res<Ruptures>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,

@@ -33,7 +33,7 @@ pub enum Decision {
 }
 
 /// The bond that breaks at constant load: the most overloaded of those at their limits.
-pub(crate) fn at_constant_load(trial: &EventTrial, tolerance: f64) -> Option<usize> {
+pub fn at_constant_load(trial: &EventTrial, tolerance: f64) -> Option<usize> {
     let r = &trial.overloads;
     let at_limit = (0..r.len()).filter(|&i| r[i] >= 1.0 - tolerance);
     at_limit.max_by(|&i, &j| r[i].total_cmp(&r[j]).then(j.cmp(&i)))

@@ -70,7 +70,7 @@ pub fn regularised_residuals(program: &ConeProgram, solution: &ConeSolution) -> 
 
 /// Residual of the balance up to which momentum counts as conserved to round-off, where displacements
 /// cannot follow from the forces.
-pub(crate) const MAX_BALANCE: f64 = 1e-11;
+pub const MAX_BALANCE: f64 = 1e-11;
 
 /// Decides which displacements the solution of a dynamic program has, and returns its residuals.
 ///
