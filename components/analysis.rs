@@ -87,8 +87,7 @@ impl Default for ClasticAnalysis {
 
 /// Friction law of contacts without strength: the paper's, convex, by which sliding opens the
 /// contact by mu |slip|, or Coulomb's.
-// The scene's law is another type (`friction_law`): it names combinations of the two fields, and it
-// reads fields of earlier builds that have no effect here.
+// The scene's law is another type (`friction_law`): it names combinations of the two fields.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct FrictionLaw {

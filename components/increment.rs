@@ -43,7 +43,8 @@ pub enum RuptureOrder {
     OneRound,
 }
 
-/// Rules of rupture: `rupture` of a scene, which has all fields but the last two.
+/// Rules of rupture: `rupture` of a scene, which has `rolling`, `order`, `density`, `brittleness` and
+/// `avalanche`.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 #[serde(rename = "Rupture", deny_unknown_fields, default)]
@@ -53,6 +54,7 @@ pub struct RuptureRules {
     /// The order in which bonds break.
     pub order: RuptureOrder,
     /// With `Events`: a bond is at its limit when its overload R lies between 1 - tolerance and 1.
+    #[serde(skip)]
     pub tolerance: f64,
     /// With `Events`: density of ruptures (share of the bonds per relative change of force) from
     /// which many bonds break together at the end of an increment. Above 20: never.

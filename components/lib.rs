@@ -30,6 +30,5 @@ pub mod poured;
 pub mod progress;
 pub mod rigid_group;
 pub mod rows;
-pub mod step_control;
 pub mod wall;
 pub mod wall_shape;

@@ -126,7 +126,7 @@ impl ClasticProgress {
 
 /// Value `k` at s of points (s, values): linear between them, constant before the first and after
 /// the last.
-pub fn value_at<const N: usize>(points: &[[f64; N]], s: f64, k: usize) -> f64 {
+pub(crate) fn value_at<const N: usize>(points: &[[f64; N]], s: f64, k: usize) -> f64 {
     let next = points.partition_point(|point| point[0] <= s);
     match (next.checked_sub(1).map(|last| &points[last]), points.get(next)) {
         (Some(a), Some(b)) => {

@@ -50,6 +50,7 @@ pub mod saved;
 pub mod scene;
 pub mod study;
 pub mod tables;
+pub mod text;
 
 use bevy_app::{PluginGroup, PluginGroupBuilder, Update};
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
@@ -95,7 +96,6 @@ impl PluginGroup for ClasticPlugins {
             .add(systems::assemble_program::AssembleProgramPlugin)
             .add(systems::solve_program::SolveProgramPlugin)
             .add(systems::attempt::AttemptPlugin)
-            .add(systems::step_control::StepControlPlugin)
             .add(systems::update_state::UpdateStatePlugin)
             .add(systems::rupture::bonds::RuptureBondsPlugin)
             .add(systems::energy_ledger::EnergyLedgerPlugin)

@@ -46,7 +46,7 @@ pub fn law_of_pair(bodies: &BodyTable, materials: &Materials, contact: &Contact)
 
 /// Initial shear force of a contact whose bond has broken: the part that its friction can carry. It
 /// is zero if the bond spanned a gap.
-pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
+pub(crate) fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
     if law.tangential_compliance <= 0.0 || law.normal_compliance <= 0.0 {
         return 0.0;
     }
@@ -57,7 +57,7 @@ pub fn shear_after_rupture(q: f64, gap: f64, law: &ContactLaw) -> f64 {
 /// Initial rolling moment of a contact whose bond has broken: the part that its limit allows, with
 /// the common radius of its bodies (m). It is zero if the bond spanned a gap, or if the contact
 /// does not roll elastically.
-pub fn moment_after_rupture(tau: f64, gap: f64, radius: f64, law: &ContactLaw) -> f64 {
+pub(crate) fn moment_after_rupture(tau: f64, gap: f64, radius: f64, law: &ContactLaw) -> f64 {
     if law.rolling_compliance <= 0.0 || law.normal_compliance <= 0.0 {
         return 0.0;
     }

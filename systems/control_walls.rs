@@ -133,7 +133,7 @@ pub fn control_walls(
 
 /// Updates the drives of stress-controlled walls in the table. The stress acts on the current
 /// length between the walls, which a followed motion may have changed.
-pub fn renew_stresses<'w>(
+pub(crate) fn renew_stresses<'w>(
     bodies: &mut BodyTable,
     table_of: impl Fn(Entity) -> Option<&'w WallTable>,
     progress: &ClasticProgress,
@@ -196,7 +196,7 @@ pub fn loaded_length(
 
 /// Distance of the line of `second` from the line of `first`, along the inward normal of `first`
 /// through the middle of `second`, m.
-pub fn wall_distance(
+pub(crate) fn wall_distance(
     first: Entity,
     second: Entity,
     geometry: &Query<(&Wall, &BodyPosition)>,

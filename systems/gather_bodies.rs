@@ -224,7 +224,7 @@ fn refuse_small_cells(bodies: Res<BodyTable>, mut commands: Commands) {
 const MIN_CELL: f64 = 1.25;
 
 /// Records the new rows of persistent tables.
-pub fn follow_rows(bodies: Res<BodyTable>, mut kept: ResMut<KeptRows>) {
+pub(crate) fn follow_rows(bodies: Res<BodyTable>, mut kept: ResMut<KeptRows>) {
     if kept.ids != bodies.ids || kept.is_needed() || kept.has_changed() {
         kept.follow(&bodies);
     }

@@ -90,7 +90,7 @@ impl IdentityTable {
 
 /// Removes the bodies and bonds whose identities these, or later ones, are: they have come since
 /// these were the next.
-pub fn go_back(world: &mut World, next: NextIdentities) {
+pub(crate) fn go_back(world: &mut World, next: NextIdentities) {
     let identities = world.get_resource_or_init::<IdentityTable>();
     let since = |register: &Register, next: u32| -> Vec<Entity> {
         (next..register.next).filter_map(|id| register.owners.get(&id).copied()).collect()

@@ -11,7 +11,7 @@ use crate::motion_settings::MotionSettings;
 
 /// Masses and moments of inertia over the mean mass. A wall under a load moves with the specimen:
 /// it has the mass of all grains, as a group with walls does.
-pub fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
+pub(crate) fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
     let n = bodies.particles;
     let all = n.max(1) as f64;
     let mean = bodies.masses.iter().sum::<f64>() / all;
@@ -77,7 +77,7 @@ fn time_ratio(momentum: f64, gained: f64, goal: f64, settings: &MotionSettings) 
 
 /// Sets momentum and weight of the next step after one with these displacements (m, m, rad; by body
 /// in its own axes), in which the furthest grain travelled `far` radii.
-pub fn carry_on(
+pub(crate) fn carry_on(
     motion: &mut Motion,
     displacements: &[[f64; 3]],
     far: f64,

@@ -35,7 +35,6 @@ pub mod schedule;
 pub mod solve_program;
 pub mod solved;
 pub mod state;
-pub mod step_control;
 pub mod stepping;
 pub mod tractions;
 pub mod travel;

@@ -80,7 +80,7 @@ fn order(x: &Link, y: &Link) -> Ordering {
 /// then has no link.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the link of {a} and {b}: {what}")]
-pub struct LinkError {
+pub(crate) struct LinkError {
     /// First entity.
     pub a: Entity,
     /// Second entity.

@@ -77,7 +77,7 @@ impl Moved {
     }
 
     /// The first particle that has passed through a thin wall, and the wall.
-    pub fn first_through(&self, bodies: &BodyTable) -> Option<[usize; 2]> {
+    pub(crate) fn first_through(&self, bodies: &BodyTable) -> Option<[usize; 2]> {
         let walls = bodies.walls.iter().zip(&self.walls).filter(|(wall, _)| !wall.is_line());
         let mut pairs = walls.flat_map(|wall| (0..bodies.particles as u32).map(move |a| (a, wall)));
         let found = pairs.find(|(a, wall)| {

@@ -4,8 +4,7 @@ use bevy_app::{App, Plugin};
 
 use clastic_components::{
     attempt, body, bond, collision, contact, contact_history, energy, findings, increment, link,
-    loads, material, measure, membrane, observation, particle, rigid_group, step_control, wall,
-    wall_shape,
+    loads, material, measure, membrane, observation, particle, rigid_group, wall, wall_shape,
 };
 use clastic_cone::program;
 
@@ -92,7 +91,6 @@ impl Plugin for ReflectPlugin {
             observation::Timings,
             particle::MaterialIndex,
             particle::SetAside,
-            step_control::StepControl,
             rigid_group::RigidGroup,
             rigid_group::ContactForce,
             wall::Wall,

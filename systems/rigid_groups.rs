@@ -10,7 +10,7 @@ use clastic_components::rigid_group::{GroupRow, RigidGroup};
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// What the row of a rigid group follows from, besides its members.
-pub type GroupData = (
+pub(crate) type GroupData = (
     Entity,
     &'static BodyId,
     &'static RigidGroup,
@@ -144,13 +144,13 @@ impl State {
 }
 
 /// Run condition: there are rigid groups.
-pub fn has_groups(bodies: Res<BodyTable>) -> bool {
+pub(crate) fn has_groups(bodies: Res<BodyTable>) -> bool {
     !bodies.groups.is_empty()
 }
 
 /// Writes the displacements of members into the solution of the program, which has those of the
 /// groups. A mechanism is a motion to first order.
-pub fn carry_members(
+pub(crate) fn carry_members(
     bodies: Res<BodyTable>,
     program: Res<ConeProgram>,
     mut solution: ResMut<ConeSolution>,

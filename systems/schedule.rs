@@ -104,7 +104,7 @@ pub enum ControlSystems {
 pub struct Lap(Instant);
 
 /// A system that adds the time since the last lap to one part of [`Timings`].
-pub fn lap(part: fn(&mut Timings) -> &mut f64) -> impl Fn(ResMut<Lap>, ResMut<Timings>) {
+pub(crate) fn lap(part: fn(&mut Timings) -> &mut f64) -> impl Fn(ResMut<Lap>, ResMut<Timings>) {
     move |mut lap, mut timings| {
         *part(&mut timings) += lap.0.elapsed().as_secs_f64();
         lap.0 = Instant::now();
@@ -121,7 +121,7 @@ pub fn start_clock(mut lap: ResMut<Lap>, mut timings: ResMut<Timings>) {
 pub const PROGRESS: &str = "progress";
 
 /// Run condition: rows have changed because bodies were added or removed.
-pub fn rows_changed(rows: Res<KeptRows>) -> bool {
+pub(crate) fn rows_changed(rows: Res<KeptRows>) -> bool {
     rows.is_needed()
 }
 

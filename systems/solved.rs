@@ -20,7 +20,7 @@ pub struct Solved<'a> {
 }
 
 /// What a contact is in the program, and (p, q, tau) in the solution.
-pub type SolvedContact<'a> = (&'a Contact, &'a Interaction, &'a [f64; 3]);
+pub(crate) type SolvedContact<'a> = (&'a Contact, &'a Interaction, &'a [f64; 3]);
 
 impl<'a> Solved<'a> {
     /// The tables of a world.

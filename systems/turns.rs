@@ -18,7 +18,7 @@ use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::findings::Corrections;
 use clastic_components::increment::Acceptance;
 use clastic_components::wall_shape::Curve;
-use clastic_cone::program::ConeSolution;
+use clastic_cone::program::{ConeSolution, Interaction};
 use glam::DVec2;
 
 use crate::solved::Solved;
@@ -44,11 +44,13 @@ const UNSUPPORTED: f64 = 5.0;
 /// The grain with the maximum turn, and this turn, rad: in the increment, or with `is_followed` from
 /// the normals of the program.
 pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
-    let turns = if is_followed {
-        of_grains(solved, &of_pairs(solved, |k| solved.program.interactions[k].normal))
-    } else {
-        turns(solved)
+    // A rigid bond remembers the way: its slip is that of its first normal.
+    let has_no_memory = |c: &Interaction| c.tangential_compliance > 0.0 || !c.limits.has_shear();
+    let normal = |k: usize| match &solved.program.interactions[k] {
+        c if is_followed && has_no_memory(c) => c.normal,
+        _ => solved.contacts.0[k].normal,
     };
+    let turns = of_grains(solved, &of_pairs(solved, normal));
     turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
@@ -64,7 +66,7 @@ pub fn too_far(
 
 /// The maximum turn of bonds and of contacts that carry load, from the normals of the program, rad.
 /// Grains whose whole translation is imposed do not count.
-pub fn of_loaded(solved: Solved) -> f64 {
+pub(crate) fn of_loaded(solved: Solved) -> f64 {
     let Solved { bodies, program, .. } = solved;
     let pairs = of_pairs(solved, |k| program.interactions[k].normal);
     let of_free = (0..bodies.particles).filter(|i| !is_imposed(bodies, *i));
@@ -73,13 +75,13 @@ pub fn of_loaded(solved: Solved) -> f64 {
 
 /// The turn of a grain that is bonded. Bonds turn in proportion to the increment as far as the
 /// specimen bends; where a contact turns, a grain jumps to other support.
-pub fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
+pub(crate) fn of_bonded(bodies: &BodyTable, (grain, turn): (usize, f64)) -> Option<f64> {
     let is_bonded = bodies.bonds.iter().any(|bond| [bond.a, bond.b].contains(&(grain as u32)));
     is_bonded.then_some(turn)
 }
 
 /// Whether a solution moves grains so far that they lack support.
-pub fn is_unsupported(solved: Solved) -> bool {
+pub(crate) fn is_unsupported(solved: Solved) -> bool {
     solved.solution.displacements.len() == solved.bodies.rows_in_program()
         && furthest(solved, false).is_some_and(|(_, turn)| turn > UNSUPPORTED)
 }

@@ -9,9 +9,7 @@ use clastic::components::wall::WallName;
 use clastic::output::frames::specimen_rows;
 use clastic::run::key_results::{KeyResults, Phase};
 use clastic::run::{Outcome, Simulation, Step};
-use clastic::scene::format::{
-    Compact, CompactRest, CompactTarget, RuptureOrder, Scene, Sizes, Specimen, Stage,
-};
+use clastic::scene::format::{Compact, CompactTarget, RuptureOrder, Scene, Sizes, Specimen, Stage};
 use clastic::scene::{LoadedScene, StoredSpecimen};
 
 use crate::clock::time;
@@ -274,7 +272,6 @@ fn biaxial(scenes: &Scenes, full: bool, seed: u64) -> Result<LoadedScene, BenchE
         target: CompactTarget::Porosity(0.21),
         by: Default::default(),
         step: 2.0e-3,
-        rest: CompactRest::Affine,
         agitation: 0.1,
         seed,
         stop: Vec::new(),

@@ -15,10 +15,10 @@ use clastic::run::stages::Script;
 use clastic::run::state::StateView;
 use clastic::run::{self, Outcome, changes, sanity};
 use clastic::scene::format::Stage;
-use clastic::scene::spans::Spans;
 use clastic::scene::{LoadedScene, from_str, from_str_with, load_with};
 use clastic::systems::gather_bodies::gather_bodies;
 use clastic::systems::stepping::EndOfRun;
+use clastic::text::spans::Spans;
 
 use crate::errors::Error;
 use crate::loads::{self, FailedFunction};

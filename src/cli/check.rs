@@ -7,7 +7,7 @@ use crate::run::sanity::{before, heights};
 use crate::scene::load_with;
 use crate::scene::memory::poured;
 use crate::scene::one_round::one_round;
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 use super::SceneArgs;
 use super::exit::{Exit, Failure, say};

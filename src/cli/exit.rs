@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use crate::output::OutputError;
 use crate::scene::LoadError;
-use crate::scene::shown::escaped;
+use crate::text::shown::escaped;
 
 /// How the program ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,8 +1,8 @@
-//! `clastic export`: the frames of a run for other programs.
+//! `clastic export`: the frames of a run for ParaView.
 
 use std::path::{Path, PathBuf};
 
-use clap::{Args, ValueEnum};
+use clap::Args;
 
 use crate::export;
 use crate::frames::{Frame, series};
@@ -14,18 +14,15 @@ use super::exit::{Exit, Failure, say};
 
 /// Arguments of an export.
 #[derive(Args)]
-pub struct ExportArgs {
+pub(crate) struct ExportArgs {
     /// Directory of the run
     #[arg(value_name = "DIR")]
     directory: PathBuf,
-    /// Format
-    #[arg(long, value_enum)]
-    format: Format,
     /// Only this moment: start, peak, end, or the number of an increment; may be repeated [default:
     /// all frames]
     #[arg(long = "frame", value_name = "MOMENT", value_parser = At::read)]
     frames: Vec<At>,
-    /// Directory for the files [default: DIR/vtk or DIR/csv]
+    /// Directory for the files [default: DIR/vtk]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
 }
@@ -96,15 +93,6 @@ impl At {
     }
 }
 
-/// A format.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-enum Format {
-    /// VTK XML (.vtp) with series (.pvd), for ParaView
-    Vtk,
-    /// Tables
-    Csv,
-}
-
 pub fn export(args: &ExportArgs) -> Result<Exit, Failure> {
     let run = &args.directory;
     directory::record(run)?;
@@ -121,12 +109,8 @@ pub fn export(args: &ExportArgs) -> Result<Exit, Failure> {
         let message = format!("{run}: no frames; run the scene again with this clastic");
         return Err(Failure::new(Exit::Files, message));
     }
-    let (name, write): (_, fn(&_, &_) -> _) = match args.format {
-        Format::Vtk => ("vtk", export::vtk),
-        Format::Csv => ("csv", export::csv),
-    };
-    let folder = args.out.clone().unwrap_or_else(|| run.join(name));
-    write(&frames, &folder)?;
+    let folder = args.out.clone().unwrap_or_else(|| run.join("vtk"));
+    export::vtk(&frames, &folder)?;
     say(format_args!("{} frames: {}", frames.len(), folder.display()))?;
     Ok(Exit::Ok)
 }

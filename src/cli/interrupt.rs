@@ -12,7 +12,7 @@ use super::exit::{Exit, complain};
 
 /// Whether the user or the system has asked the run to stop.
 #[derive(Clone, Debug, Default)]
-pub struct Interrupt(Arc<AtomicBool>);
+pub(crate) struct Interrupt(Arc<AtomicBool>);
 
 impl Interrupt {
     /// Listens to Ctrl-C and the signals from now on. If that is impossible, they keep their
@@ -51,7 +51,7 @@ impl Interrupt {
         again
     }
 
-    pub fn requested(&self) -> bool {
+    pub(crate) fn requested(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 }

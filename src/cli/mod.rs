@@ -88,7 +88,7 @@ enum Command {
     /// Find the factor at which slopes slide: a command of the package for Python (docs/python.md)
     #[command(disable_help_flag = true)]
     Stability(OfPython),
-    /// Write the frames of a run for ParaView (VTK) or as tables (CSV)
+    /// Write the frames of a run for ParaView, as VTK XML (.vtp) with series (.pvd)
     Export(export::ExportArgs),
     /// Write a page for a browser: curves, animation and key results of a run, or curves and a
     /// table of several runs, which is printed too

@@ -1,7 +1,8 @@
 //! `clastic new`: commented scenes to start from.
 
 use crate::scene::format::Specimen;
-use crate::scene::{load, shipped, suggest};
+use crate::scene::{load, shipped};
+use crate::text::suggest;
 
 use super::exit::{Exit, Failure, complain, say};
 

@@ -5,8 +5,8 @@ use bevy_app::App;
 use crate::run::plugin::Provided;
 use crate::scene::Finding;
 use crate::scene::format::{Quantity, Scene, Stage, WallControl};
-use crate::scene::spans::join;
-use crate::scene::suggest;
+use crate::text::spans::join;
+use crate::text::suggest;
 
 /// The remedy where a program has no plugin at all.
 const OWN_PROGRAM: &str = "run the scene in a program of your own (ARCHITECTURE.md, Extending)";

@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use crate::components::increment::ClasticProgress;
 use crate::components::observation::Observation;
-use crate::scene::shown::label;
+use crate::text::shown::label;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use super::exit::complain;

@@ -5,8 +5,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::scene::shown::label;
-use crate::scene::{load, shipped, suggest};
+use crate::scene::{load, shipped};
+use crate::text::shown::label;
+use crate::text::suggest;
 
 use super::exit::{Exit, Failure, say};
 

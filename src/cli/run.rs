@@ -14,7 +14,7 @@ use crate::run::stages::Script;
 use crate::run::{Outcome, Simulation, Step};
 use crate::scene::format::Stage;
 use crate::scene::load_with;
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 use super::RunArgs;
 use super::exit::{Exit, Failure, complain, say};

@@ -11,7 +11,7 @@ use crate::run::stages::Script;
 use crate::run::{Collapse, EndedBy, Outcome, StageEnd};
 use crate::scene::format::{Analysis, RuptureOrder, Scene, Stage};
 use crate::scene::one_round::one_round;
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 /// Text of the summary: how the run ended after `increment` increments, key results, directory.
 pub fn summary(
@@ -324,6 +324,18 @@ mod tests {
             "{all}"
         );
         assert!(all.contains("in static stages") && !all.contains("in dynamic stages"), "{all}");
+    }
+
+    #[test]
+    fn a_summary_marks_a_peak_at_a_capped_increment() {
+        let results = Results {
+            peak_stress_pa: Some(2.5e5),
+            strain_at_peak: Some(0.01),
+            peak_is_capped: true,
+            ..Results::default()
+        };
+        let said = said([(28, 0), (7, 7)], true, &results);
+        assert!(!said.contains("E = ") && said.contains("peak stress (capped) "), "{said}");
     }
 
     /// A slope that collapsed at one weight was "solved" at the next.

@@ -12,7 +12,7 @@ const STACK: usize = 8 << 20;
 
 /// Runs a command with this number of threads, and with no more than the number of cores. One
 /// thread runs the command. The others help with parallel parts of the solver.
-pub fn on_threads(
+pub(crate) fn on_threads(
     threads: Option<u32>,
     command: impl FnOnce() -> Result<Exit, Failure> + Send,
 ) -> Result<Exit, Failure> {

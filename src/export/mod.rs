@@ -1,4 +1,4 @@
-//! Frames for other programs: VTK XML for ParaView, and CSV. `docs/export.md` has the fields.
+//! Frames for ParaView: VTK XML. `docs/export.md` has the fields.
 
 mod tables;
 mod vtp;
@@ -33,21 +33,6 @@ pub fn vtk(frames: &[Frame], folder: &Path) -> Result<(), OutputError> {
              byte_order=\"LittleEndian\">\n<Collection>\n{series}</Collection>\n</VTKFile>\n"
         );
         write_atomic(&folder.join(kind).with_extension("pvd"), text)?;
-    }
-    Ok(())
-}
-
-/// Writes the frames of a run as CSV files.
-///
-/// # Errors
-/// If a file cannot be written.
-pub fn csv(frames: &[Frame], folder: &Path) -> Result<(), OutputError> {
-    fs::create_dir_all(folder).map_err(OutputError::at(folder))?;
-    for frame in frames {
-        for (kind, data) in tables::of(frame) {
-            let file = format!("{kind}_{:06}.csv", frame.increment);
-            write_atomic(&folder.join(file), tables::csv(&data))?;
-        }
     }
     Ok(())
 }

@@ -186,44 +186,6 @@ fn membranes(frame: &Frame) -> PolyData {
     lines([], [], (0..chains.name.len()).flat_map(links))
 }
 
-/// The rows as CSV: points by `x_m`, `y_m`, lines by the ends `x1_m`, `y1_m`, `x2_m`, `y2_m`.
-pub fn csv(data: &PolyData) -> String {
-    fn column(name: &str, numbers: impl Iterator<Item = f64>) -> (String, Vec<String>) {
-        (name.to_owned(), numbers.map(|x| format!("{x:?}")).collect())
-    }
-    let point = |name, axis: usize| column(name, data.points.iter().map(|point| point[axis]));
-    let end = |name, end: usize, axis: usize| {
-        column(name, data.lines.iter().map(|ends| data.points[ends[end] as usize][axis]))
-    };
-    let (mut columns, fields) = match data.of_points.is_empty() {
-        true => (
-            vec![end("x1_m", 0, 0), end("y1_m", 0, 1), end("x2_m", 1, 0), end("y2_m", 1, 1)],
-            &data.of_lines,
-        ),
-        false => (vec![point("x_m", 0), point("y_m", 1)], &data.of_points),
-    };
-    for (name, values) in fields {
-        match values {
-            Values::Scalars(v) => columns.push(column(name, v.iter().copied())),
-            Values::Counts(v) => {
-                columns.push(((*name).to_owned(), v.iter().map(i64::to_string).collect()));
-            }
-            Values::Vectors(v) => {
-                // The unit stays at the end.
-                let (stem, unit) = name.split_once('_').unwrap_or((name, ""));
-                for (k, axis) in ["x", "y"].into_iter().enumerate() {
-                    columns.push(column(&format!("{stem}_{axis}_{unit}"), v.iter().map(|v| v[k])));
-                }
-            }
-        }
-    }
-    let line = |of: &dyn Fn(&'_ (String, Vec<String>)) -> String| {
-        columns.iter().map(of).collect::<Vec<_>>().join(",") + "\n"
-    };
-    let rows = (0..columns[0].1.len()).map(|k| line(&|(_, values)| values[k].clone()));
-    line(&|(name, _)| name.clone()) + &rows.collect::<String>()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -284,19 +246,23 @@ mod tests {
         let lines = [&contacts, &bonds, &walls, &cracks, &membranes].map(|data| data.lines.len());
         assert_eq!((bodies.points.len(), lines), (3, [2, 3, 1, 2, 1]));
         assert_eq!(membranes.points, [[0.0, 1.0, 0.0], [2.0, 1.0, 0.0]]);
-        assert_eq!(csv(&membranes), "x1_m,y1_m,x2_m,y2_m\n0.0,1.0,2.0,1.0\n");
         // The second contact rests on the floor: its line ends there.
         assert_eq!(contacts.points[3], [2.0, 0.0, 0.0]);
-        let text = csv(&contacts);
-        let mut rows = text.lines();
-        assert!(
-            rows.next().is_some_and(|header| header.starts_with("x1_m,y1_m,x2_m,y2_m,a,b,bond"))
-        );
-        assert!(
-            rows.nth(1)
-                .is_some_and(|row| row.starts_with("2.0,1.0,2.0,0.0,1,7,-1,2.0,1.0,0.0,0.0,"))
-        );
-        assert!(csv(&bodies).starts_with("x_m,y_m,id,radius_m,displacement_x_m,displacement_y_m,"));
+        assert_eq!(contacts.points[2], [2.0, 1.0, 0.0]);
+        let counts = |of: [i64; 2]| Values::Counts(of.to_vec());
+        let numbers = |of: [f64; 2]| Values::Scalars(of.to_vec());
+        let expected = [
+            ("a", counts([0, 1])),
+            ("b", counts([1, 7])),
+            ("bond", counts([0, -1])),
+            ("p_n", numbers([2.0, 2.0])),
+            ("q_n", numbers([1.0, 1.0])),
+            ("tau_nm", numbers([0.0, 0.0])),
+            ("gap_m", numbers([0.0, 0.0])),
+        ];
+        assert_eq!(contacts.of_lines[..7], expected);
+        let names: Vec<_> = bodies.of_points.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names[..3], ["id", "radius_m", "displacement_m"]);
     }
 
     #[test]

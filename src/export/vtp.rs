@@ -21,7 +21,7 @@ pub type Field = (&'static str, Values);
 
 /// Points or lines with fields.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct PolyData {
+pub(crate) struct PolyData {
     /// Points, m.
     pub points: Vec<[f64; 3]>,
     /// Pairs of points that are lines; without lines every point is a vertex.

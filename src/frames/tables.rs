@@ -59,7 +59,7 @@ impl Frame {
     }
 
     /// The frame of arrays.
-    pub fn from_tables(tables: &Tables) -> Result<Self, TableError> {
+    pub(crate) fn from_tables(tables: &Tables) -> Result<Self, TableError> {
         let format = tables.text("format", &[]).map_or("", |format| format[0].as_str());
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => {

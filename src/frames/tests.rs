@@ -140,7 +140,6 @@ fn a_frame_without_anything_reads_back() {
     assert_eq!(Frame::from_tables(&empty.tables()).unwrap(), empty);
 }
 
-#[cfg(feature = "npz")]
 #[test]
 fn a_frame_reads_back_and_damage_is_named() {
     use crate::tables::{Array, Tables};

@@ -63,7 +63,7 @@ pub(super) const COLUMNS: [Column<Ended>; 16] = [
 ];
 
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct CurrentAvalanche(pub Option<Avalanche>);
+pub(crate) struct CurrentAvalanche(pub Option<Avalanche>);
 
 /// An avalanche that has not ended.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -19,7 +19,6 @@ use super::save::{is_last_increment, keep_last, save};
 use super::{OutputError, directory, events, history, states, timings};
 use crate::run::stages::Script;
 use crate::scene::LoadedScene;
-use crate::scene::format::Scene;
 
 /// Begins the output of a scene. `world` is the state before the first stage, and has
 /// [`OutputPlugin`](super::OutputPlugin). Inserts [`RunDirectory`] and the resources that follow
@@ -55,7 +54,7 @@ pub fn begin(
     let record = RunRecord::new(loaded, &facts);
     let dir = options.directory.as_path();
     let history_file = directory::claim(dir, options.force)?;
-    make_frames(dir, &loaded.scene)?;
+    make_frames(dir)?;
     record.write(&dir.join(directory::RUN))?;
     write_atomic(&dir.join(directory::SCENE), &loaded.text)?;
     let create = |name: &str, header: Row| CsvFile::create(dir.join(name), header);
@@ -145,7 +144,7 @@ pub fn resume(
     let files = files.into_iter().filter(|(_, is_there)| *is_there).map(|(name, _)| name);
     let there: Vec<_> = files.chain(states.iter().map(String::as_str)).collect();
     directory::rewind(directory, increment, &there)?;
-    make_frames(directory, &loaded.scene)?;
+    make_frames(directory)?;
     let mut record = RunRecord::new(loaded, &next.facts);
     record.write(&directory.join(directory::RUN))?;
     // A run that starts from a saved state numbers its increments from those before.
@@ -164,10 +163,7 @@ pub fn resume(
     Ok(())
 }
 
-fn make_frames(directory: &Path, scene: &Scene) -> Result<(), OutputError> {
-    if scene.asks_for_frames() || frames::ARE_ARRAYS {
-        let path = directory.join(directory::FRAMES);
-        fs::create_dir_all(&path).map_err(OutputError::at(&path))?;
-    }
-    Ok(())
+fn make_frames(directory: &Path) -> Result<(), OutputError> {
+    let path = directory.join(directory::FRAMES);
+    fs::create_dir_all(&path).map_err(OutputError::at(&path))
 }

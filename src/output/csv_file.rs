@@ -17,7 +17,7 @@ pub(crate) struct CsvFile {
 }
 
 impl CsvFile {
-    pub fn create(path: PathBuf, header: Row) -> Result<Self, OutputError> {
+    pub(crate) fn create(path: PathBuf, header: Row) -> Result<Self, OutputError> {
         let file = File::create(&path).map_err(OutputError::at(&path))?;
         Self::begin(path, file, header)
     }

@@ -20,7 +20,7 @@ pub const AVALANCHES: &str = "avalanches.csv";
 /// Wall-clock times; all other files have equal bytes in every run.
 pub const TIMINGS: &str = "timings.csv";
 /// The prepared specimen, in the format of stored specimens.
-pub const SPECIMEN: &str = "specimen.csv";
+pub(crate) const SPECIMEN: &str = "specimen.csv";
 /// All particles at the end, in the format of stored specimens.
 pub const FINAL_PARTICLES: &str = "final_particles.csv";
 /// The state at the end.
@@ -36,11 +36,11 @@ pub const REPORT: &str = "report.html";
 /// Directory of the frames.
 pub const FRAMES: &str = "frames";
 /// Frame before the first increment of the reference stage.
-pub const FRAME_START: &str = "start.npz";
+pub(crate) const FRAME_START: &str = "start.npz";
 /// Frame at the peak.
-pub const FRAME_PEAK: &str = "peak.npz";
+pub(crate) const FRAME_PEAK: &str = "peak.npz";
 /// Frame at the end.
-pub const FRAME_END: &str = "end.npz";
+pub(crate) const FRAME_END: &str = "end.npz";
 
 /// Files of the end of a run.
 const OF_THE_END: [&str; 4] = [FINAL_PARTICLES, FINAL_STATE, FINAL_CHECKPOINT, REPORT];

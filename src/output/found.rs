@@ -11,7 +11,7 @@ use crate::run::stages::Script;
 
 /// A packing that was not jammed: it settled in the first increment after its compaction.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Settled {
+pub(crate) struct Settled {
     /// Porosity after the compaction, of the box around the disks, or of the periodic cell.
     pub porosity_before: f64,
     /// The same after the first increment that followed.

@@ -27,9 +27,6 @@ use crate::scene::StoredParticle;
 /// Columns of a frame as CSV. Displacements are relative to the start of the stage list.
 pub const COLUMNS: [&str; 7] = ["id", "x_m", "y_m", "radius_m", "rotation_rad", "ux_m", "uy_m"];
 
-/// Whether this build writes frames as arrays.
-pub(super) const ARE_ARRAYS: bool = cfg!(feature = "npz");
-
 /// The parts of a world that a frame as CSV shows. The [`BodyTable`] must be up to date, as it is
 /// after an increment.
 #[derive(SystemParam)]
@@ -82,10 +79,7 @@ pub(super) fn write_wanted(
     let name = format!("frame_{:06}", observation.increment);
     let path = run.path(directory::FRAMES).join(format!("{name}.csv"));
     run.write(path, particles.text())?;
-    if ARE_ARRAYS {
-        write(&mut run, &format!("{name}.npz"), &tables.frame())?;
-    }
-    Ok(())
+    write(&mut run, &format!("{name}.npz"), &tables.frame())
 }
 
 pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError> {
@@ -98,7 +92,7 @@ pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError
 /// Frames that may have to be written later. A checkpoint does not have them: they follow from the
 /// world, or are on the disk by then.
 #[derive(Resource, Debug, Default)]
-pub struct FrameMoments {
+pub(crate) struct FrameMoments {
     /// State at the start of the reference stage, until its first increment.
     start: Option<Frame>,
     /// State at the peak so far, unless it is on the disk.
@@ -110,7 +104,7 @@ impl FrameMoments {
     /// tables, which a world without increments does not have yet; this does not change the run.
     pub(super) fn begin(world: &mut World, has_begun: bool) {
         let _ = world.run_system_cached(gather_bodies);
-        let start = (ARE_ARRAYS && !has_begun).then(|| Frame::take(world));
+        let start = (!has_begun).then(|| Frame::take(world));
         world.insert_resource(Self { start, peak: None });
     }
 }
@@ -121,7 +115,7 @@ pub(super) fn take_peak(
     tables: FrameTables,
     mut frames: ResMut<FrameMoments>,
 ) {
-    if ARE_ARRAYS && results.is_peak(observation.increment) {
+    if results.is_peak(observation.increment) {
         frames.peak = Some(tables.frame());
     }
 }
@@ -147,9 +141,6 @@ pub(super) fn write_peak(world: &mut World) -> Result<(), OutputError> {
 }
 
 pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
-    if !ARE_ARRAYS {
-        return Ok(());
-    }
     let frame = Frame::take(world);
     write(&mut world.resource_mut(), directory::FRAME_END, &frame)
 }

@@ -87,7 +87,7 @@ pub(super) const PROBE_COLUMNS: [Column<ProbeReading>; 6] = [
 ];
 
 /// Whether a column before or after those of the probes has this name, which no measure may have.
-pub fn has_column(name: &str) -> bool {
+pub(crate) fn has_column(name: &str) -> bool {
     names(&COLUMNS).chain(names(&ENERGY_COLUMNS)).any(|column| column == name)
 }
 

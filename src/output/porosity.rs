@@ -34,7 +34,7 @@ pub fn porosity(measures: &Measures, walls: &Query<&Wall>, start: &Prepared) -> 
 
 /// Porosity of the periodic cell, or without one within the axis-aligned box around the disks; `None`
 /// without disks.
-pub fn in_cell_or_box(packing: &Prepared) -> Option<f64> {
+pub(crate) fn in_cell_or_box(packing: &Prepared) -> Option<f64> {
     let disks = &packing.rows;
     let in_box = || Some(extent(disks, DVec2::X)? * extent(disks, DVec2::Y)?);
     Some(1.0 - total(disks) / packing.cell_area.or_else(in_box)?)

@@ -25,7 +25,7 @@ const SETTLED: f64 = 1e-3;
 
 /// The prepared specimen.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct PreparedSpecimen {
+pub(crate) struct PreparedSpecimen {
     /// The state after the last increment, then that at the start of the reference stage, until its
     /// first increment. Its reference lengths exist only after that, which moves the particles.
     pub waiting: Option<Prepared>,
@@ -35,7 +35,7 @@ pub struct PreparedSpecimen {
 
 /// A specimen as it is stored.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Prepared {
+pub(crate) struct Prepared {
     /// Rows of the stored specimen.
     pub rows: Vec<StoredParticle>,
     /// Area of the periodic cell, m^2.

@@ -49,7 +49,10 @@ impl History {
     ///
     /// # Errors
     /// If the history cannot be read.
-    pub fn of_record(directory: &Path, record: &serde_json::Value) -> Result<Self, OutputError> {
+    pub(crate) fn of_record(
+        directory: &Path,
+        record: &serde_json::Value,
+    ) -> Result<Self, OutputError> {
         let history = Self::read(&directory.join(directory::HISTORY))?;
         let mut history = history.after(record["increments"].as_u64().unwrap_or(0));
         // Without a reference stage the test begins with the last stage.
@@ -128,7 +131,7 @@ impl History {
     /// in which the displacement is 0. Before the first row of a run forces are 0. The state before
     /// a run that starts from a saved state is not in its history: its displacements are not
     /// shifted. `motion` and `force` are columns of the probe without its name.
-    pub fn of_test(&self, probe: &str, [motion, force]: [&str; 2]) -> Vec<TestPoint> {
+    pub(crate) fn of_test(&self, probe: &str, [motion, force]: [&str; 2]) -> Vec<TestPoint> {
         let increments = self.column("increment");
         let of = |column: &str| self.column(&format!("{probe}{column}")).into_iter();
         // The outside world balances the contacts of a rigid group.

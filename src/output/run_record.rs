@@ -24,7 +24,7 @@ pub const CLASTIC_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Content of `run.json`.
 #[derive(Clone, Debug, Serialize)]
-pub struct RunRecord {
+pub(crate) struct RunRecord {
     clastic_version: &'static str,
     format_version: u32,
     title: String,
@@ -124,7 +124,7 @@ struct Settings {
 
 /// How a run ended.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct OutcomeRecord {
+pub(crate) struct OutcomeRecord {
     /// `running`, `completed`, `collapsed`, `interrupted`, `undecided` or `refused`.
     pub status: &'static str,
     /// Last stage, or the stage of the first collapse if any.

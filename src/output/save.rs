@@ -16,7 +16,7 @@ use crate::run::state::capture;
 use crate::scene::format::Stage;
 
 /// Run condition: a checkpoint is due.
-pub fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) -> bool {
+pub(crate) fn is_checkpoint_due(observation: Res<Observation>, run: Res<RunDirectory>) -> bool {
     let every = u64::from(run.options.checkpoint_every);
     every > 0 && observation.increment.is_multiple_of(every)
 }
@@ -35,7 +35,10 @@ pub fn save(world: &mut World) -> Result<(), OutputError> {
 }
 
 /// Run condition: no stage has another increment. A stage of a plugin may still decide otherwise.
-pub fn is_last_increment(script: Option<Res<Script>>, progress: Res<ClasticProgress>) -> bool {
+pub(crate) fn is_last_increment(
+    script: Option<Res<Script>>,
+    progress: Res<ClasticProgress>,
+) -> bool {
     script.is_some_and(|script| {
         let to_come = script.scene.stages.iter().skip(progress.stage + 1);
         script.begun && progress.is_over() && !to_come.clone().any(Stage::has_increments)
@@ -45,7 +48,7 @@ pub fn is_last_increment(script: Option<Res<Script>>, progress: Res<ClasticProgr
 /// Keeps the checkpoint after the last increment. Its stage has not ended yet, since the end cannot
 /// be undone: lids stop, tables are taken away. Stages without increments that come after it are
 /// made anew by the run that goes on. Exclusive, as [`save`].
-pub fn keep_last(world: &mut World) -> Result<(), OutputError> {
+pub(crate) fn keep_last(world: &mut World) -> Result<(), OutputError> {
     let last = the_end(world)?;
     world.resource_mut::<RunDirectory>().last = Some(last);
     Ok(())
@@ -53,7 +56,7 @@ pub fn keep_last(world: &mut World) -> Result<(), OutputError> {
 
 /// Writes the checkpoint of a run that has ended: that after its last increment, or of a run without
 /// increments the state as it is.
-pub fn save_the_end(world: &mut World) -> Result<(), OutputError> {
+pub(crate) fn save_the_end(world: &mut World) -> Result<(), OutputError> {
     let last = world.resource_mut::<RunDirectory>().last.take();
     let checkpoint = last.map_or_else(|| the_end(world), Ok)?;
     let run = world.resource::<RunDirectory>();

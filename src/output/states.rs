@@ -14,7 +14,7 @@ use crate::scene::format::Stage;
 
 /// Writes the states that stages have kept since the last increment. Exclusive, because it runs at
 /// the end of the output as well.
-pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
+pub(crate) fn write_kept(world: &mut World) -> Result<(), OutputError> {
     let Some(mut kept) = world.get_resource_mut::<SavedStates>() else { return Ok(()) };
     let kept = std::mem::take(&mut kept.0);
     let mut run = world.resource_mut::<RunDirectory>();
@@ -26,18 +26,15 @@ pub fn write_kept(world: &mut World) -> Result<(), OutputError> {
     Ok(())
 }
 
-/// Writes the state at the end of a run. A program without the feature `npz` writes none.
-pub fn write_final(world: &mut World) -> Result<(), OutputError> {
-    if !cfg!(feature = "npz") {
-        return Ok(());
-    }
+/// Writes the state at the end of a run.
+pub(crate) fn write_final(world: &mut World) -> Result<(), OutputError> {
     let path = world.resource::<RunDirectory>().path(directory::FINAL_STATE);
     let tables = saved::save(world).map_err(OutputError::at(&path))?;
     write_atomic(&path, tables.encode().map_err(OutputError::at(&path))?)
 }
 
 /// Files of the `Save` stages that have begun.
-pub fn kept_before(world: &World) -> Vec<String> {
+pub(crate) fn kept_before(world: &World) -> Vec<String> {
     let script = world.resource::<Script>();
     let begun = world.resource::<ClasticProgress>().stage + usize::from(script.begun);
     let file = |stage: &Stage| match stage {

@@ -14,13 +14,13 @@ use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 
 use super::compact;
 use crate::scene::format::{Compact, CompactBy, Stage};
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 /// A solution whose maximum residual is below this is usable, although it misses the tolerance.
 const GOOD: f64 = 1e-6;
 
 /// The complaint about an undecided increment, with its place and advice.
-pub fn with_advice(world: &mut World, stage: &Stage, complaint: String) -> String {
+pub(crate) fn with_advice(world: &mut World, stage: &Stage, complaint: String) -> String {
     let increment = world.resource::<ClasticProgress>().increment;
     let locked = world.resource::<ConeSolution>().status == SolveStatus::Locked;
     let forced = locked.then(|| forced(world.resource::<ConeProgram>())).flatten();

@@ -20,7 +20,7 @@ pub(crate) fn at_start(cell: &scene::Cell) -> PeriodicCell {
     PeriodicCell {
         width: cell.size.0,
         height: cell.size.1,
-        tilt: cell.tilt,
+        tilt: 0.0,
         shear: 0.0,
         stress: [0.0; 3],
         controls: [CellControl::default(); 3],

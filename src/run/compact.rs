@@ -31,13 +31,13 @@ use super::disks::{Disks, radii};
 use super::script::Script;
 use super::state::Before;
 use super::walls::find_pair;
-use crate::scene::format::{Compact, CompactBy, CompactRest, CompactTarget, Stage};
+use crate::scene::format::{Compact, CompactBy, CompactTarget, Stage};
 
 /// Moves the wall, or grows the radii, towards the target in equal steps.
 pub fn begin(world: &mut World, stage: &Compact) {
     let disks = Disks::in_world(world);
     world.resource_mut::<ClasticAnalysis>().kind = AnalysisKind::Compaction {
-        affine: stage.rest == CompactRest::Affine,
+        affine: true,
         agitation: stage.agitation * disks.mean_radius,
         seed: stage.seed,
     };

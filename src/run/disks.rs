@@ -34,12 +34,12 @@ impl Disks {
     }
 
     /// The particles of a world.
-    pub fn in_world(world: &mut World) -> Self {
+    pub(crate) fn in_world(world: &mut World) -> Self {
         Self::of(radii(world).into_iter())
     }
 
     /// A bound on the porosity of these disks.
-    pub fn lowest_porosity(&self) -> f64 {
+    pub(crate) fn lowest_porosity(&self) -> f64 {
         lowest_porosity(self.smallest / self.largest)
     }
 

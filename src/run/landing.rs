@@ -4,7 +4,7 @@
 //! end of the increment. The search finds where this function comes to the value first.
 
 /// Length of an increment below which a measure that passes its value is taken to jump.
-pub const RESOLUTION: f64 = 1e-7;
+pub(crate) const RESOLUTION: f64 = 1e-7;
 
 /// Number of tries that may fall short before the whole increment is tried.
 const PATIENCE: u32 = 6;
@@ -93,7 +93,7 @@ impl Search {
 
     /// Takes the last try back in favour of the one before it that did not fall short, or of the
     /// whole increment. `None` if the last try was that already.
-    pub fn without_last(&mut self) -> Option<f64> {
+    pub(crate) fn without_last(&mut self) -> Option<f64> {
         if self.is_last {
             return None;
         }

@@ -9,7 +9,7 @@ fn compliance(stiffness: Option<f64>) -> f64 {
 }
 
 /// Index and density (kg/m^3) of the material of a name; of the first one without such a name.
-pub fn material_of(scene: &scene::Scene, name: Option<&String>) -> (u32, f64) {
+pub(crate) fn material_of(scene: &scene::Scene, name: Option<&String>) -> (u32, f64) {
     let place = |name: &String| scene.materials.keys().position(|known| known == name);
     let index = name.and_then(place).unwrap_or(0);
     (index as u32, scene.materials.values().nth(index).map_or(0.0, |material| material.density))
@@ -28,7 +28,7 @@ pub fn contact_law(contact: &scene::Contact) -> ContactLaw {
 }
 
 /// The engine's law for a scene's bond.
-pub fn bond_law(bond: &scene::Bond) -> BondLaw {
+pub(crate) fn bond_law(bond: &scene::Bond) -> BondLaw {
     BondLaw {
         normal_compliance: compliance(bond.normal_stiffness),
         tangential_compliance: compliance(bond.tangential_stiffness),

@@ -5,7 +5,6 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::body::LoadControl;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::step_control::StepControl;
 use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
 
 use super::script::Script;
@@ -21,9 +20,6 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
         |s: f64| analysis.kind.dt().map_or_else(|| s * f64::from(stage.increments), |dt| s / dt);
     let course = stage.scale.loads.iter().flatten().map(|(s, share)| [in_increments(*s), *share]);
     world.resource_mut::<ClasticProgress>().course = course.collect();
-    if let Some(accuracy) = stage.accuracy {
-        world.insert_resource(StepControl::new(accuracy));
-    }
 
     let confining = membranes::pressures_before(world, stage);
     for name in &stage.remove_walls {
@@ -45,7 +41,7 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
 
 /// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the
 /// rest.
-pub fn begin_custom(world: &mut World, stage: &scene::CustomStage) {
+pub(crate) fn begin_custom(world: &mut World, stage: &scene::CustomStage) {
     set_up(world, stage.analysis, stage.gravity, stage.increments);
 }
 

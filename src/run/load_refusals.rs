@@ -7,7 +7,6 @@ use clastic_components::body::{BodyId, BodyPosition, LoadControl};
 use clastic_components::particle::Particle;
 use clastic_components::wall::{LoadedLength, WallControl, WallName};
 
-use super::cement::intact;
 use super::select::selected;
 use super::touching::placed;
 use super::wall_pieces::{CUT, is_cut};
@@ -23,7 +22,6 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .or_else(|| cuts_through(world, stage))
         .or_else(|| leaves_behind(world, stage))
         .or_else(|| meets_nothing(world, stage))
-        .or_else(|| bonds_with_accuracy(world, stage))
         .or_else(|| loses_its_length(world, stage))
         .or_else(|| rigid::refusal(world, stage))
         .or_else(|| membranes::refusal(world, stage))
@@ -74,16 +72,6 @@ pub(super) fn why_empty(select: &scene::Select) -> (String, &'static str) {
             "give one that has particles where they are by then",
         ),
     }
-}
-
-/// A bond in a stage that chooses its increments by their error: the error of ruptures is not
-/// estimated.
-fn bonds_with_accuracy(world: &mut World, stage: &scene::Load) -> Option<String> {
-    stage.accuracy?;
-    let intact = intact(world);
-    (intact > 0).then(|| {
-        format!("`accuracy` is for stages without bonds, and there are {intact}; leave it out")
-    })
 }
 
 /// The walls that a stage adds: those that come at the outermost particles, or the others.

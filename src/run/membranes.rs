@@ -18,14 +18,18 @@ use super::walls::{find_pair, find_walls, length_between};
 use crate::scene::format as scene;
 
 /// The membrane with the given name, if it exists.
-pub fn find_membrane(world: &mut World, name: &str) -> Option<Entity> {
+pub(crate) fn find_membrane(world: &mut World, name: &str) -> Option<Entity> {
     let mut membranes = world.query::<(Entity, &Membrane)>();
     membranes.iter(world).find(|(_, membrane)| membrane.name == name).map(|(entity, _)| entity)
 }
 
 /// Removes, makes and controls the membranes of a stage. A new one starts from its pressure
 /// `before`, Pa.
-pub fn control_membranes(world: &mut World, stage: &scene::Load, before: &BTreeMap<String, f64>) {
+pub(crate) fn control_membranes(
+    world: &mut World,
+    stage: &scene::Load,
+    before: &BTreeMap<String, f64>,
+) {
     for name in &stage.remove_membranes {
         if let Some(membrane) = find_membrane(world, name) {
             world.despawn(membrane);
@@ -70,7 +74,7 @@ fn made(
 
 /// Pressures from which the membranes of a stage start in the place of the walls that it removes, by
 /// name, Pa.
-pub fn pressures_before(world: &mut World, stage: &scene::Load) -> BTreeMap<String, f64> {
+pub(crate) fn pressures_before(world: &mut World, stage: &scene::Load) -> BTreeMap<String, f64> {
     let before = |(name, control): (&String, &scene::MembraneControl)| {
         (name.clone(), stress_of(world, &stage.remove_walls, control.between.as_ref()))
     };
@@ -105,7 +109,7 @@ pub fn end(world: &mut World, progress: &ClasticProgress) {
 
 /// Finds the chains of all membranes where the bodies are. Gathering the tables does not change the
 /// run.
-pub fn renew(world: &mut World) {
+pub(crate) fn renew(world: &mut World) {
     if world.query::<&Membrane>().iter(world).next().is_some() {
         let _ = world.run_system_cached(gather_bodies);
         let _ = world.run_system_cached(renew_shapes);

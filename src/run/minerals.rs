@@ -2,12 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use glam::DVec2;
-
 use super::particles::particles;
-use super::random::Random;
 use super::select::{Candidate, selects};
-use crate::scene::format::{Clusters, Mineral, Particle, Scene, Select};
+use crate::scene::format::{Mineral, Particle, Scene, Select};
 use crate::scene::specimen_file::StoredSpecimen;
 
 /// Particles of a scene in the order of identities: those of its specimen that `keep` selects, with
@@ -34,14 +31,11 @@ pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle>
         .keep
         .as_ref()
         .map(|keep| seeds.iter().enumerate().map(|(i, seed)| has(keep, i, seed)).collect());
-    for Mineral { material, select, clusters } in &scene.minerals {
-        let mut chosen: Vec<usize> =
-            (0..seeds.len()).filter(|i| has(select, *i, &seeds[*i])).collect();
-        if let Some(clusters) = clusters {
-            chosen = in_clusters(&seeds, chosen, clusters);
-        }
-        for i in chosen {
-            seeds[i].material = Some(material.clone());
+    for Mineral { material, select } in &scene.minerals {
+        for (i, seed) in seeds.iter_mut().enumerate() {
+            if has(select, i, seed) {
+                seed.material = Some(material.clone());
+            }
         }
     }
     if let Some(kept) = kept {
@@ -49,71 +43,4 @@ pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle>
         seeds.retain(|_| kept.next() == Some(true));
     }
     seeds
-}
-
-/// Those of the chosen particles that are in clusters.
-///
-/// A square grid of the size of a cluster has one random point in every cell, and a random rank. A
-/// particle belongs to the nearest point. In the order of their ranks, points take their particles
-/// as long as that brings the share of the area nearer to the requested one. The result does not
-/// depend on the order of the particles.
-fn in_clusters(seeds: &[Particle], chosen: Vec<usize>, clusters: &Clusters) -> Vec<usize> {
-    let mut cells: BTreeMap<(u64, [i32; 2]), Vec<usize>> = BTreeMap::new();
-    let mut points = Points { seed: clusters.seed, known: BTreeMap::new() };
-    for i in chosen {
-        let (rank, cell) = points.nearest(DVec2::from(seeds[i].position) / clusters.size);
-        cells.entry((rank, cell)).or_default().push(i);
-    }
-    // Sums in the order of sizes do not depend on that of the particles.
-    let area = |members: &Vec<usize>| {
-        let mut squares: Vec<f64> = members.iter().map(|i| seeds[*i].radius.powi(2)).collect();
-        squares.sort_unstable_by(f64::total_cmp);
-        squares.iter().sum::<f64>()
-    };
-    let areas: Vec<f64> = cells.values().map(area).collect();
-    let wanted = clusters.share * areas.iter().sum::<f64>();
-    let (mut taken, mut members) = (0.0, Vec::new());
-    for (cell, area) in cells.into_values().zip(areas) {
-        if (taken + area - wanted).abs() < (taken - wanted).abs() {
-            taken += area;
-            members.extend(cell);
-        }
-    }
-    members
-}
-
-/// Random points, one in every cell of a grid of unit squares, each with a rank.
-struct Points {
-    seed: u64,
-    known: BTreeMap<[i32; 2], (DVec2, u64)>,
-}
-
-impl Points {
-    /// Rank and cell of the point that is nearest to a place.
-    fn nearest(&mut self, place: DVec2) -> (u64, [i32; 2]) {
-        let home = place.floor().to_array().map(|x| x as i32);
-        let mut best = (f64::INFINITY, 0, home);
-        // The point of the cell itself is within 1.42; points three cells away are beyond 2.
-        for dy in -2..=2 {
-            for dx in -2..=2 {
-                let cell = [home[0].saturating_add(dx), home[1].saturating_add(dy)];
-                let (point, rank) = self.of(cell);
-                let distance = point.distance_squared(place);
-                if distance < best.0 {
-                    best = (distance, rank, cell);
-                }
-            }
-        }
-        (best.1, best.2)
-    }
-
-    /// Point and rank of a cell.
-    fn of(&mut self, cell: [i32; 2]) -> (DVec2, u64) {
-        *self.known.entry(cell).or_insert_with(|| {
-            let key = cell.map(i32::to_le_bytes);
-            let mut random = Random::keyed(key.as_flattened(), self.seed);
-            let within = DVec2::new(random.unit(), random.unit());
-            (DVec2::from(cell.map(f64::from)) + within, random.integer())
-        })
-    }
 }

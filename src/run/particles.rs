@@ -8,7 +8,7 @@ use crate::scene::format::{Particle, Sizes, Specimen};
 use crate::scene::specimen_file::{StoredParticle, StoredSpecimen};
 
 /// Name of the group of the outermost particles of a lattice.
-pub const BOUNDARY: &str = "boundary";
+pub(crate) const BOUNDARY: &str = "boundary";
 
 /// A particle at rest.
 fn at_rest(position: DVec2, radius: f64, material: Option<&String>) -> Particle {

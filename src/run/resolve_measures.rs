@@ -22,12 +22,12 @@ use super::walls::{find_pair, find_wall};
 use crate::scene::format as scene;
 
 /// Name of [`GroupMembers`] in a state.
-pub const GROUP_MEMBERS: &str = "measures.groups";
+pub(crate) const GROUP_MEMBERS: &str = "measures.groups";
 
 /// Particles that the measures of the scene have selected when the stage began, by the name of the
 /// measure. A scene without such measures has no such resource.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct GroupMembers(pub BTreeMap<String, Vec<BodyId>>);
+pub(crate) struct GroupMembers(pub BTreeMap<String, Vec<BodyId>>);
 
 /// Resolves the names in the scene's measures. A measure with a missing body or wall is left out.
 pub fn resolve_measures(world: &mut World) {

@@ -20,7 +20,7 @@ use super::walls::find_walls;
 use crate::scene::format as scene;
 
 /// Releases, makes and controls the rigid groups of a stage.
-pub fn control_groups(world: &mut World, stage: &scene::Load, analysis: &ClasticAnalysis) {
+pub(crate) fn control_groups(world: &mut World, stage: &scene::Load, analysis: &ClasticAnalysis) {
     let mut groups = world.query::<(&BodyId, Entity, &RigidGroup)>();
     let released = groups.iter(world).filter(|(.., group)| stage.release.contains(&group.name));
     for group in released.map(|(_, group, _)| group).collect::<Vec<_>>() {

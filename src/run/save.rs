@@ -7,8 +7,8 @@ use clastic_systems::stepping::ClasticHalted;
 use super::script::Script;
 use crate::saved;
 use crate::scene::format::Save;
-use crate::scene::shown::label;
 use crate::tables::Tables;
+use crate::text::shown::label;
 
 /// States that `Save` stages have kept and nothing has written yet, with the names of their files.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::scene::format::{Scene, Stage, Stop};
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 /// Stages of the scene and state of the run among them.
 #[derive(Resource, Clone, Debug)]

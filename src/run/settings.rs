@@ -33,9 +33,7 @@ pub fn insert_settings(world: &mut World, scene: &scene::Scene, particles: u32) 
             settings.tolerance = settings.tolerance.min(wanted);
             Box::new(Condensed::new(settings))
         }
-        scene::Solver::Clarabel { tolerance, max_iterations } => {
-            Box::new(Clarabel { tolerance, max_iterations, ..Clarabel::default() })
-        }
+        scene::Solver::Clarabel {} => Box::new(Clarabel::default()),
     }));
     world.insert_resource(Materials(
         scene

@@ -3,7 +3,6 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::increment::ClasticProgress;
-use clastic_components::step_control::StepControl;
 use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::IncrementDue;
 
@@ -21,7 +20,7 @@ pub struct CurrentStage(pub Stage);
 
 /// Ends finished stages and begins the next ones, up to a stage that needs an increment or to the
 /// end of the run. Exclusive, because it runs schedules.
-pub fn change_stages(world: &mut World) {
+pub(crate) fn change_stages(world: &mut World) {
     let due = loop {
         let script = world.resource::<Script>();
         if script.outcome.is_some() {
@@ -84,7 +83,6 @@ fn begin(world: &mut World, stage: Stage) {
     script.stop = false;
     let is_reference = index == script.reference_stage();
     until::begin(world, &stage);
-    world.remove_resource::<StepControl>();
     world.insert_resource(CurrentStage(stage));
     world.run_schedule(BeginStage);
     select_groups(world);

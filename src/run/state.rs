@@ -31,9 +31,9 @@ use crate::scene::stored_state::rows;
 use crate::scene::{StoredSpecimen, StoredState};
 
 /// Name of [`ScriptState`] in a state.
-pub const SCRIPT: &str = "script";
+pub(crate) const SCRIPT: &str = "script";
 /// Name of the [`WallCatalogue`] in a state.
-pub const WALL_CATALOGUE: &str = "walls.catalogue";
+pub(crate) const WALL_CATALOGUE: &str = "walls.catalogue";
 
 impl StateOf for ScriptState {
     fn take(world: &mut World) -> Option<Self> {
@@ -81,7 +81,7 @@ pub struct Before {
 }
 
 /// Copies the state.
-pub fn take_down(
+pub(crate) fn take_down(
     progress: Res<ClasticProgress>,
     observation: Res<Observation>,
     readings: Res<Readings>,
@@ -212,7 +212,7 @@ impl StateView {
 
     /// Whether the current stage has begun and may go on. After its last increment it goes on if it
     /// gets more of them.
-    pub fn is_within_stage(&self) -> bool {
+    pub(crate) fn is_within_stage(&self) -> bool {
         self.begun && !self.ended
     }
 }

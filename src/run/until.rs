@@ -21,7 +21,7 @@ use super::state::{capture, rewind};
 use crate::scene::format::{Stage, Stop};
 
 /// Name of [`Approach`] in a state.
-pub const APPROACH: &str = "until";
+pub(crate) const APPROACH: &str = "until";
 
 /// Error with which a measure lands, over the value or over the maximum magnitude of the measure in
 /// the stage, if that is more.
@@ -58,7 +58,7 @@ impl StateOf for Approach {
 /// The increment that may be undone. It is no part of the state: between two increments of the
 /// history nothing is searched.
 #[derive(Resource)]
-pub struct Undoable {
+pub(crate) struct Undoable {
     state: WorldState,
     /// [`ClasticProgress::tried`] before the increment was shortened.
     tried: f64,

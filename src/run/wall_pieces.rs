@@ -10,7 +10,7 @@ use crate::scene::format as scene;
 
 /// A straight or curved piece of a wall.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Piece {
+pub(crate) struct Piece {
     /// Middle of the piece, or the centre of a whole circle, m.
     pub position: DVec2,
     /// Direction and length.

@@ -34,7 +34,7 @@ pub struct WallCatalogue {
 
 impl WallCatalogue {
     /// Identity of the first piece of a wall; at the end of the list, the first that no wall has.
-    pub fn first_of(&self, index: usize) -> u32 {
+    pub(crate) fn first_of(&self, index: usize) -> u32 {
         self.first + self.walls[..index].iter().map(count).sum::<u32>()
     }
 
@@ -89,12 +89,15 @@ pub fn find_walls(world: &mut World, name: &str) -> Vec<Entity> {
 }
 
 /// Two walls by name, if both are there.
-pub fn find_pair(world: &mut World, a: &str, b: &str) -> Option<[Entity; 2]> {
+pub(crate) fn find_pair(world: &mut World, a: &str, b: &str) -> Option<[Entity; 2]> {
     Some([find_wall(world, a)?, find_wall(world, b)?])
 }
 
 /// The length on which a stress acts: the distance of two walls, if they are named and there.
-pub fn length_between(world: &mut World, between: Option<&(String, String)>) -> LoadedLength {
+pub(crate) fn length_between(
+    world: &mut World,
+    between: Option<&(String, String)>,
+) -> LoadedLength {
     let pair = between.and_then(|(a, b)| find_pair(world, a, b));
     pair.map_or(LoadedLength::Segment, |[a, b]| LoadedLength::Between(a, b))
 }

@@ -50,7 +50,7 @@ impl SavedState {
     ///
     /// # Errors
     /// If the world does not have them.
-    pub fn groups_with_walls(&self) -> Result<Vec<String>, StateError> {
+    pub(crate) fn groups_with_walls(&self) -> Result<Vec<String>, StateError> {
         let walls = self.world.components::<BodyId, WallLine>("wall")?;
         let is_wall = |id: &BodyId| walls.binary_search_by_key(id, |(id, _)| *id).is_ok();
         self.groups_with(|group| group.members.iter().any(is_wall))
@@ -65,7 +65,7 @@ impl SavedState {
     ///
     /// # Errors
     /// If the world does not have them.
-    pub fn walls_now(&self) -> Result<Vec<Wall>, StateError> {
+    pub(crate) fn walls_now(&self) -> Result<Vec<Wall>, StateError> {
         let lines: BTreeMap<BodyId, WallLine> =
             self.world.components("wall")?.into_iter().collect();
         let middles: BTreeMap<BodyId, BodyPosition> =

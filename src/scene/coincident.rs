@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::diagnostic::MAX_SHOWN;
+use crate::text::diagnostic::MAX_SHOWN;
 
 /// Centres closer than this fraction of the smaller radius count as one position.
 const ONE_PLACE: f64 = 1e-9;

@@ -4,8 +4,8 @@ use std::fs::{self, FileType};
 use std::io::{self, Read};
 use std::path::Path;
 
-use super::diagnostic::{Finding, Placed};
 use super::shipped;
+use crate::text::diagnostic::{Finding, Placed};
 
 /// Reads a regular file. Returns `None` if it is larger than `most` bytes, and reads at most one
 /// byte more than that.

@@ -3,19 +3,19 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::courses::gather;
-use super::diagnostic::{Finding, Placed, SceneErrors, place, within};
-use super::edited::EditedText;
 use super::files::{decode, read_at_most};
 use super::format::{Scene, Specimen};
 use super::overrides::{SetError, apply};
-use super::reader::read;
 use super::repeats::Written;
-use super::scan::scan;
 use super::specimen_file::{ReadError, StoredSpecimen, read};
 use super::stored_state::{self, inherit};
 use super::validate::findings;
-use super::values;
+use crate::text::courses::gather;
+use crate::text::diagnostic::{Finding, Placed, SceneErrors, place, within};
+use crate::text::edited::EditedText;
+use crate::text::read;
+use crate::text::scan::scan;
+use crate::text::values;
 
 /// A scene that was read and checked.
 #[derive(Clone, Debug)]
@@ -32,7 +32,7 @@ pub struct LoadedScene {
 
 impl LoadedScene {
     /// File of the stored specimen or saved state that the scene names.
-    pub fn specimen_file(&self) -> Option<PathBuf> {
+    pub(crate) fn specimen_file(&self) -> Option<PathBuf> {
         match &self.scene.specimen {
             Specimen::File { path, .. } | Specimen::State { path, .. } => {
                 Some(self.path.parent().unwrap_or(Path::new("")).join(path))

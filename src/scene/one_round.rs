@@ -1,7 +1,7 @@
 //! Where bonds do not break from event to event although the scene says so.
 
 use super::format::{Analysis, Bond, Contact, RollingLimit, RuptureOrder, Scene, Stage};
-use super::shown::label;
+use crate::text::shown::label;
 
 /// Why `rupture.order: Events` does not hold, in words; `None` if it holds in all stages that load
 /// bonds, or if the scene has another order or no bonds. Bonds then break as with `OneRound`.

@@ -7,15 +7,17 @@
 
 use std::fmt;
 
-use super::diagnostic::Finding;
-use super::edited::EditedText;
 use super::format::Scene;
-use super::reader::read::read;
-use super::scan::scan;
-use super::shown::brief;
-use super::spans::{Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path};
-use super::tree::{Entry, Node, Shape, Span};
-use super::{suggest, values};
+use crate::text::diagnostic::Finding;
+use crate::text::edited::EditedText;
+use crate::text::read::read;
+use crate::text::scan::scan;
+use crate::text::shown::brief;
+use crate::text::spans::{
+    Step, descend, is_group, item_name, join, parse_path, unwrapped, write_path,
+};
+use crate::text::tree::{Entry, Node, Shape, Span};
+use crate::text::{suggest, values};
 
 /// A `--set` that cannot be applied.
 #[derive(Clone, Debug, PartialEq, Eq)]

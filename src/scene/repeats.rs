@@ -1,10 +1,10 @@
 //! Places of the stages of a text with `Repeat`: the scene has each repetition, and messages keep
 //! the places of the text.
 
-use super::diagnostic::Finding;
 use super::format::MAX_STAGES;
-use super::spans::{join, unwrapped};
-use super::tree::{Entry, Node, Shape};
+use crate::text::diagnostic::Finding;
+use crate::text::spans::{join, unwrapped};
+use crate::text::tree::{Entry, Node, Shape};
 
 fn is_repeat(entry: &Entry) -> bool {
     entry.value.name == Some("Repeat")

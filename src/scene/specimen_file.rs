@@ -9,11 +9,11 @@ use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use super::coincident::coincident;
-use super::diagnostic::{Finding, Placed, SceneErrors};
-use super::edited::EditedText;
 use super::files::{decode, read_at_most};
 use super::limits::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER};
 pub use super::stored_state::{ReadError, StoredParticle, StoredSpecimen};
+use crate::text::diagnostic::{Finding, Placed, SceneErrors};
+use crate::text::edited::EditedText;
 
 /// Maximum size of the file, bytes: that of `MAX_PARTICLES` rows with all digits.
 const MAX_BYTES: u64 = 500_000_000;
@@ -43,7 +43,8 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
         reading.text(&text);
         let disks: Vec<_> = reading.rows.iter().map(|row| (row.x, row.y, row.r)).collect();
         for (earlier, later) in coincident(&disks) {
-            let (line, _) = super::diagnostic::line_and_column(&text, reading.starts[earlier]);
+            let (line, _) =
+                crate::text::diagnostic::line_and_column(&text, reading.starts[earlier]);
             let message = format!("the same place as the particle of line {line}");
             reading.note(reading.starts[later], "x_m", &message, "leave one of them out");
         }

@@ -15,11 +15,11 @@ use clastic_components::particle::{MaterialIndex, Particle};
 use clastic_systems::gather_bodies::PERIODIC_CELL;
 use clastic_systems::state::{StateError, WorldState};
 
-use super::diagnostic::SceneErrors;
 use super::files::read_at_most;
 use super::format::{Cell, Scene, Specimen, Wall};
 use crate::saved::{SavedError, SavedState};
 use crate::tables::Tables;
+use crate::text::diagnostic::SceneErrors;
 
 /// A specimen that is stored in a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -47,7 +47,7 @@ impl StoredSpecimen {
     }
 
     /// Whether these are the particles of a run that is resumed, which its scene has cut already.
-    pub fn is_resumed(&self) -> bool {
+    pub(crate) fn is_resumed(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.saved.is_none())
     }
 }
@@ -171,7 +171,7 @@ impl StoredState {
             cell: match world.bytes(PERIODIC_CELL) {
                 Some(_) => {
                     let cell: PeriodicCell = world.get(PERIODIC_CELL)?;
-                    Some(Cell { size: (cell.width, cell.height), tilt: cell.tilt })
+                    Some(Cell { size: (cell.width, cell.height) })
                 }
                 None => None,
             },

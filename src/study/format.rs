@@ -19,11 +19,9 @@ use indexmap::IndexMap;
 use serde::Deserialize;
 
 use crate::scene::SceneErrors;
-use crate::scene::reader::read::Verbatim;
-use crate::scene::reader::read::read_sound;
-
-/// Version of the format that this build reads.
-pub const VERSION: u32 = 1;
+use crate::text::VERSION;
+use crate::text::read::Verbatim;
+use crate::text::read::read_sound;
 
 /// A study: runs of one scene with other settings.
 #[derive(Debug, Deserialize)]
@@ -82,8 +80,6 @@ pub enum Runs {
     Grid(IndexMap<String, Vec<Verbatim>>),
     /// One run per entry, which gives its names their values.
     List(Vec<IndexMap<String, Verbatim>>),
-    /// One run per row of a CSV file, relative to that of the study. Its columns are names.
-    Table(PathBuf),
     /// The runs of each entry, one entry after the other. A run lacks the names that only other
     /// entries have.
     Several(Vec<Runs>),
@@ -98,7 +94,7 @@ pub enum StudyError {
     /// What it asks for is wrong.
     #[error("{}: {message}", file.display())]
     Plan {
-        /// The file: that of the study, or the table of its runs.
+        /// The file of the study.
         file: PathBuf,
         /// The mistake and its remedy.
         message: String,

@@ -9,15 +9,16 @@ use super::format::{Preparation, SCENE, Study, StudyError, sets};
 use super::planned::{Plan, PlannedRun, Start, Wanted};
 use crate::output::directory;
 use crate::output::run_record::{CLASTIC_VERSION, sha256};
+use crate::scene::LoadedScene;
 use crate::scene::format::{Save, Scene, Specimen, Stage};
-use crate::scene::{LoadedScene, suggest};
+use crate::text::suggest;
 
 /// Number of hexadecimal digits of the hash that name a directory: two of a million runs have
 /// one name with a probability of 2e-3.
 const DIGITS: usize = 12;
 
 /// Setting that gives a scene its saved state.
-pub fn state_at(path: &Path) -> String {
+pub(crate) fn state_at(path: &Path) -> String {
     // A path in RON is a string, in which `\` begins an escape.
     format!("specimen.path={:?}", path.display().to_string())
 }
@@ -28,14 +29,14 @@ type Load<'a> = &'a dyn Fn(Wanted<'_>) -> Result<LoadedScene, String>;
 /// Plans a study. `file` is that of the study.
 pub fn plan(study: &Study, file: &Path, load: Load<'_>) -> Result<Plan, StudyError> {
     let wrong = |message: String| StudyError::new(file, message);
-    let mut rows = combinations(&study.runs, file)?;
+    let mut rows = combinations(&study.runs);
     if rows.is_empty() {
         return Err(wrong("runs: there are none; give at least one".to_owned()));
     }
     let mut plan = Plan::default();
     for (name, value) in rows.iter_mut().flatten() {
         if name == SCENE && study.scene.is_none() {
-            // A table has the bare name, a list or grid a string in RON.
+            // The value is a string in RON.
             *value = value.trim_matches('"').to_owned();
         }
         if !plan.names.contains(name) {

@@ -7,17 +7,13 @@
 //! let mut tables = Tables::default();
 //! tables.put("radius_m", Array::column([1.0e-3, 2.0e-3]));
 //! tables.put("name", Array::column(["sand".to_owned()]));
-//! # #[cfg(feature = "npz")] {
 //! let read = Tables::decode(&tables.encode()?)?;
 //! assert_eq!(read.f64("radius_m", &[2])?, [1.0e-3, 2.0e-3]);
-//! # }
 //! # Ok::<(), clastic::tables::TableError>(())
 //! ```
 
 mod array;
-#[cfg(feature = "npz")]
 mod npy;
-#[cfg(feature = "npz")]
 mod npz;
 
 pub(crate) use array::Column;
@@ -43,9 +39,6 @@ pub enum TableError {
     /// The arrays hold another kind of data, or that of another version of a format.
     #[error("{0}")]
     Foreign(String),
-    /// The program was built without the feature `npz`.
-    #[error("this program is built without the feature `npz`, which reads and writes .npz files")]
-    Unsupported,
 }
 
 impl TableError {
@@ -71,25 +64,18 @@ impl Tables {
     /// The tables as an archive.
     ///
     /// # Errors
-    /// If an array does not fit into an archive, or without the feature `npz`.
+    /// If an array does not fit into an archive.
     pub fn encode(&self) -> Result<Vec<u8>, TableError> {
-        #[cfg(feature = "npz")]
-        return npz::encode(self);
-        #[cfg(not(feature = "npz"))]
-        Err(TableError::Unsupported)
+        npz::encode(self)
     }
 
     /// The tables of an archive.
     ///
     /// # Errors
     /// If it is no archive, is damaged (every array has a checksum), or holds something else than
-    /// arrays; also without the feature `npz`.
-    #[cfg_attr(not(feature = "npz"), expect(unused_variables))]
+    /// arrays.
     pub fn decode(bytes: &[u8]) -> Result<Self, TableError> {
-        #[cfg(feature = "npz")]
-        return npz::decode(bytes);
-        #[cfg(not(feature = "npz"))]
-        Err(TableError::Unsupported)
+        npz::decode(bytes)
     }
 
     /// Names and arrays, in order.
@@ -193,7 +179,6 @@ mod tests {
         assert_eq!(tables.rows("time_s").unwrap(), 1);
     }
 
-    #[cfg(feature = "npz")]
     #[test]
     fn every_value_reads_back_to_the_bit_and_the_bytes_depend_on_nothing_else() {
         let (tables, bytes) = (tables(), tables().encode().unwrap());
@@ -216,7 +201,6 @@ mod tests {
     }
 
     /// A changed byte of an archive is detected, unless it lies in a part that is not read.
-    #[cfg(feature = "npz")]
     #[test]
     fn a_cut_or_damaged_archive_is_refused_or_reads_the_same() {
         let bytes = tables().encode().unwrap();
@@ -236,7 +220,6 @@ mod tests {
         }
     }
 
-    #[cfg(feature = "npz")]
     #[test]
     fn what_is_no_archive_of_arrays_is_refused() {
         for bytes in [&b""[..], b"x_m,y_m,radius_m\n", b"PK\x03\x04 and no more"] {

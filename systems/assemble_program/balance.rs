@@ -92,7 +92,7 @@ impl<'a> Rows<'a> {
 
     /// A degree of freedom that no drive imposes: unknown if interactions act on it, else known from
     /// its load.
-    pub fn undriven(&self, row: usize, k: usize, free: FreeDof) -> Dof {
+    pub(crate) fn undriven(&self, row: usize, k: usize, free: FreeDof) -> Dof {
         let acted = if k < 2 { self.touched[row].0 } else { self.touched[row].1 };
         // In statics an inertia is a stiffness, and a step of a followed motion adds to it.
         let is_held = free.inertia > 0.0 && self.analysis.kind != AnalysisKind::Static;
@@ -106,7 +106,7 @@ impl<'a> Rows<'a> {
     }
 
     /// Adds the inertia of a mass to a degree of freedom of a body in a time step.
-    pub fn add_inertia(&self, row: usize, k: usize, mass: f64, free: &mut FreeDof) {
+    pub(crate) fn add_inertia(&self, row: usize, k: usize, mass: f64, free: &mut FreeDof) {
         if let AnalysisKind::Dynamic { dt, theta } = self.analysis.kind {
             let dt = dt * self.progress.fraction;
             free.inertia = mass / (theta * dt * dt);

@@ -29,7 +29,7 @@ impl Rows<'_> {
 }
 
 /// Sets the shifts of images, and the cell of the program.
-pub fn set_images(bodies: &BodyTable, interactions: &mut [Interaction]) {
+pub(crate) fn set_images(bodies: &BodyTable, interactions: &mut [Interaction]) {
     let Some(cell) = &bodies.cell else { return };
     for c in interactions {
         c.image = bodies.shift(c.a as usize, c.b as usize) / cell.length();
@@ -38,7 +38,7 @@ pub fn set_images(bodies: &BodyTable, interactions: &mut [Interaction]) {
 
 /// Holds one particle, because nothing else keeps the specimen from moving as a whole: the particle
 /// that carried the largest normal forces, or touches the largest number of others.
-pub fn hold_one(bodies: &BodyTable, history: &ContactHistory, program: &mut ConeProgram) {
+pub(crate) fn hold_one(bodies: &BodyTable, history: &ContactHistory, program: &mut ConeProgram) {
     if bodies.cell.is_none() {
         return;
     }

@@ -10,7 +10,7 @@ use glam::DVec2;
 
 use super::balance::Rows;
 
-/// Moves the forces on members of rigid groups to the bodies of the groups, with their [levers](lever).
+/// Moves the forces on members of rigid groups to the bodies of the groups, with their levers.
 pub fn join(
     bodies: &BodyTable,
     theta: Option<f64>,
@@ -115,7 +115,7 @@ pub(crate) struct Turning<'a> {
 
 impl Turning<'_> {
     /// Moment, N m, that the group loses in the program where it turns by `angle`, rad.
-    pub fn lost_at(&self, angle: f64) -> f64 {
+    pub(crate) fn lost_at(&self, angle: f64) -> f64 {
         self.lost + self.stiffness * (angle - self.angle)
     }
 }

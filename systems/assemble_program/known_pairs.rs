@@ -45,7 +45,11 @@ fn closing(bodies: &[ProgramBody], c: &Interaction) -> Option<f64> {
 
 /// Leaves out the contacts of bodies that overlap and that no known motion closes: they become open
 /// contacts without force. Returns whether any contact was left out.
-pub fn leave_out(bodies: &BodyTable, contacts: &[Contact], program: &mut ConeProgram) -> bool {
+pub(crate) fn leave_out(
+    bodies: &BodyTable,
+    contacts: &[Contact],
+    program: &mut ConeProgram,
+) -> bool {
     let round_off = ROUND_OFF * bodies.mean_radius;
     let mut found = false;
     for (contact, c) in contacts.iter().zip(&mut program.interactions) {

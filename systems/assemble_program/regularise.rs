@@ -94,7 +94,7 @@ fn give_inertia(motion: &Motion, program: &mut ConeProgram) {
 pub(crate) const MIN_LOAD: f64 = 1e-6;
 
 /// The pairs of bodies with more than `MIN_LOAD` of the maximum force. `forces` are in N.
-pub fn loaded_pairs(
+pub(crate) fn loaded_pairs(
     forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
 ) -> impl Iterator<Item = (u32, u32)> {
     let threshold = MIN_LOAD * forces.clone().map(|f| f.2).fold(0.0, f64::max);
@@ -102,7 +102,7 @@ pub fn loaded_pairs(
 }
 
 /// Whether each particle is in one of these pairs.
-pub fn find_loaded(
+pub(crate) fn find_loaded(
     particles: usize,
     forces: impl Iterator<Item = (u32, u32, f64)> + Clone,
 ) -> Vec<bool> {

@@ -24,7 +24,7 @@ pub(super) fn estimate(trial: &Trial, program: &ConeProgram) -> Scales {
     let displacement =
         if known > 0.0 { known } else { maximum_load(program) * softest(interactions) };
     let displacement = displacement.max(1e-9 * length);
-    let determined = determined_force(program, interactions, displacement);
+    let determined = determined_force(bodies, program, interactions, displacement);
     let remembered = trial.history.0.sizes(length).map(|(.., size)| size).fold(0.0, f64::max);
     let remembered = remembered.min(determined);
     let is_driven = maximum_imposed(bodies) > 0.0;
@@ -106,17 +106,27 @@ fn softest(interactions: &[Interaction]) -> f64 {
     interactions.iter().map(|c| c.normal_compliance).fold(0.0, f64::max)
 }
 
-/// Maximum force that the loads can determine, N: in dynamics the sum of all loads and inertial
-/// forces where every interaction is rigid and without strength, else infinite.
+/// Maximum force that the loads can determine, N, where every interaction is rigid: in dynamics without
+/// strength, and in statics without imposed motions, the sum of all loads and inertial forces; else
+/// infinite.
 ///
-/// Rigid bodies that are wedged between others carry forces that nothing determines. A solver ends
-/// with some multiple of its scale of forces. As the next scale they would grow without bound.
-fn determined_force(program: &ConeProgram, interactions: &[Interaction], displacement: f64) -> f64 {
-    let determines = |c: &Interaction| c.normal_compliance > 0.0 || c.limits.has_strength();
+/// Rigid bodies that are wedged between others, or bonded in loops, carry forces that nothing determines. A
+/// solver ends with some multiple of its scale of forces. As the next scale they would grow without bound.
+pub(crate) fn determined_force(
+    bodies: &BodyTable,
+    program: &ConeProgram,
+    interactions: &[Interaction],
+    displacement: f64,
+) -> f64 {
+    let is_determined = if program.has_momentum() {
+        interactions.iter().any(|c| c.limits.has_strength())
+    } else {
+        program.is_dynamic() || maximum_imposed(bodies) > 0.0
+    };
     let forces = free_translations(program).map(|f| f.load.abs() + f.inertia * displacement);
     let sum: f64 = forces.sum();
-    let is_open = program.has_momentum() && sum > 0.0 && !interactions.iter().any(determines);
-    if is_open { sum } else { f64::INFINITY }
+    let are_rigid = interactions.iter().all(|c| c.normal_compliance == 0.0);
+    if sum > 0.0 && are_rigid && !is_determined { sum } else { f64::INFINITY }
 }
 
 fn force(

@@ -8,7 +8,7 @@
 //! and its force is at most T. It represents the normal force itself, turned by the motion, and is no
 //! error of the balance. The term of other contacts is negative, destabilises a grain, and cannot be part
 //! of a convex program. Followed motions cover this case. Rigid groups have their own
-//! [stiffness](super::groups::turning).
+//! stiffness, in `groups`.
 
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::increment::AnalysisKind;
@@ -17,16 +17,20 @@ use clastic_cone::program::{ConeProgram, Interaction, Limits};
 use glam::DVec2;
 
 use super::Trial;
+use super::regularise::MIN_LOAD;
 use crate::solved::Solved;
 
-/// Elongation over the length below which an elastic contact counts as slack.
-const MIN_ELONGATION: f64 = 1e-9;
-
-/// The force, N, that pulls a grain back which moves along the tangent of a contact, and the length, m, on
-/// which it swings. `tension` is that of the last solution: the gap does not tell it, because a bond that
-/// has turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
-/// of its grain stretches it.
-fn pull(bodies: &BodyTable, contact: &Contact, c: &Interaction, tension: f64) -> Option<[f64; 2]> {
+/// The force, N, above `least`, that pulls a grain back which moves along the tangent of a contact, and the
+/// length, m, on which it swings. `tension` is that of the last solution: the gap does not tell it, because
+/// a bond that has turned by 0.02 rad in a step with constant normals is as much longer as a thousand
+/// times the weight of its grain stretches it.
+fn pull(
+    bodies: &BodyTable,
+    contact: &Contact,
+    c: &Interaction,
+    tension: f64,
+    least: f64,
+) -> Option<[f64; 2]> {
     let (force, length) = if (contact.b as usize) < bodies.particles {
         (tension.min(c.limits.tension), c.arm_a + c.arm_b)
     } else {
@@ -36,9 +40,7 @@ fn pull(bodies: &BodyTable, contact: &Contact, c: &Interaction, tension: f64) ->
             Curve::Flat | Curve::Round(_) => return None,
         }
     };
-    let is_rigid = c.normal_compliance == 0.0;
-    let counts = is_rigid || force * c.normal_compliance > MIN_ELONGATION * length;
-    (force > 0.0 && length > 0.0 && counts).then_some([force, length])
+    (force > least && length > 0.0).then_some([force, length])
 }
 
 /// Appends the ties.
@@ -47,11 +49,19 @@ pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
         return;
     }
     let ConeProgram { interactions, last_forces, .. } = program;
+    let sizes = trial.history.0.sizes(trial.bodies.mean_radius).map(|(.., size)| size);
+    let least = MIN_LOAD * sizes.fold(0.0, f64::max);
+    let (fraction, gravity) = (trial.progress.fraction, trial.analysis.gravity);
+    let loads = (0..trial.bodies.particles).map(|i| trial.bodies.force_on(i, fraction, gravity));
+    let loads: f64 = loads.map(DVec2::length).sum();
     for (k, contact) in trial.contacts.0.iter().enumerate() {
         let c = interactions[k];
         let guess = trial.corrections.of((contact.a, contact.b));
         let tension = guess.map_or(-last_forces[k][0], |guess| guess.tension);
-        if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension) {
+        // Loops of rigid bodies may carry any force, of which no more than the loads is one of a load.
+        let is_rigid = c.normal_compliance == 0.0;
+        let tension = if is_rigid { tension.clamp(-loads, loads) } else { tension };
+        if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension, least) {
             interactions.push(Interaction {
                 normal: c.normal.perp(),
                 offset: guess.map_or(0.0, |guess| guess.tie),

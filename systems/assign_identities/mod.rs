@@ -63,7 +63,7 @@ fn hooks<C: Component>(world: &mut World) -> &mut ComponentHooks {
 /// The error goes to Bevy's error handler, which panics unless the app sets another one. The
 /// refused entity loses its identity and its body or bond.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum IdentityError {
+pub(crate) enum IdentityError {
     /// Two bodies, or two bonds, have one identity.
     #[error(
         "entity {newcomer} was given {component}({id}), but {kind} {id} is entity {owner}; leave \

@@ -32,7 +32,6 @@ use clastic_components::findings::{
 use clastic_components::increment::{
     Acceptance, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
 };
-use clastic_components::step_control::StepControl;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 
 pub use self::run::run_attempts;
@@ -65,12 +64,7 @@ impl Plugin for AttemptPlugin {
             .init_resource::<FrictionLaw>()
             .init_resource::<RuptureRules>()
             .init_resource::<ClasticProgress>()
-            .add_systems(
-                Increment,
-                run_attempts
-                    .in_set(IncrementSystems::Attempts)
-                    .run_if(not(resource_exists::<StepControl>)),
-            )
+            .add_systems(Increment, run_attempts.in_set(IncrementSystems::Attempts))
             .add_systems(
                 AttemptIncrement,
                 (

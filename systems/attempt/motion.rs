@@ -104,7 +104,11 @@ fn aimed(acceptance: &Acceptance) -> f64 {
 }
 
 /// Whether the increment has a step of a motion left.
-pub fn has_step(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSettings) -> bool {
+pub(crate) fn has_step(
+    attempt: &Attempt,
+    acceptance: &Acceptance,
+    settings: &MotionSettings,
+) -> bool {
     let motion = attempt.motion();
     let released = attempt.released_steps;
     let max_steps = (settings.max_travel / aimed(acceptance)).ceil() as u32;
@@ -117,7 +121,11 @@ pub fn has_step(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSet
 }
 
 /// Whether another motion may begin.
-pub fn may_begin(attempt: &Attempt, acceptance: &Acceptance, settings: &MotionSettings) -> bool {
+pub(crate) fn may_begin(
+    attempt: &Attempt,
+    acceptance: &Acceptance,
+    settings: &MotionSettings,
+) -> bool {
     attempt.motions < settings.max_motions && has_step(attempt, acceptance, settings)
 }
 
@@ -128,12 +136,12 @@ pub fn end(world: &mut World) {
 }
 
 /// Drops the pairs that solutions have added from other positions: each step detects its own.
-pub fn forget_pairs(world: &mut World) {
+pub(crate) fn forget_pairs(world: &mut World) {
     world.resource_mut::<AddedPairs>().0.clear();
 }
 
 /// Drops findings that hold only for the last solution.
-pub fn forget_passes(world: &mut World) {
+pub(crate) fn forget_passes(world: &mut World) {
     world.insert_resource(Corrections::default());
     world.insert_resource(Pushed::default());
     world.insert_resource(Reached::default());
@@ -197,7 +205,10 @@ pub fn judge_rest(
         attempt.verdict = Verdict::GivesWay("the followed motion moves no grain".to_owned());
         return;
     }
-    if at_rest || travelled <= settings.travel_to_rest {
+    // What hangs may turn by half a turn.
+    let extent = bodies.groups.iter().map(|group| group.extent).fold(0.0, f64::max);
+    let limit = settings.travel_to_rest + std::f64::consts::PI * extent / bodies.mean_radius;
+    if at_rest || travelled <= limit {
         attempt.verdict = if at_rest { Verdict::AtRest } else { Verdict::Moving };
         // Another motion from here would move as little.
         if is_idle {
@@ -208,8 +219,7 @@ pub fn judge_rest(
     let most = moves_most(bodies, program, &solution.displacements);
     let gives_way = format!(
         "the motion under constant loads does not come to rest: its furthest grains travelled more \
-         than {} radii in {} steps{}",
-        settings.travel_to_rest,
+         than {limit:.0} radii in {} steps{}",
         motion.steps + 1,
         most.map_or(String::new(), |most| format!(" ({most})"))
     );
@@ -245,7 +255,7 @@ fn count_step(attempt: &mut Attempt) {
 
 /// Moves the tables by the solution of the step, breaks bonds, and sets the weight of the next
 /// step.
-pub fn take_step(world: &mut World) {
+pub(crate) fn take_step(world: &mut World) {
     let solved = Solved::of(world);
     let far = furthest(solved).map_or(0.0, |(_, far)| far);
     let displacements = solved.solution.displacements.clone();

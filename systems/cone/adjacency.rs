@@ -14,7 +14,7 @@ impl Adjacency {
     }
 
     /// The neighbours of every body, ascending and each of them once.
-    pub fn of_neighbours(bodies: usize, pairs: &[(u32, u32)]) -> Self {
+    pub(crate) fn of_neighbours(bodies: usize, pairs: &[(u32, u32)]) -> Self {
         let pairs = pairs.iter().map(|(a, b)| (*a as usize, *b as usize));
         let mut both: Vec<_> = pairs.flat_map(|(a, b)| [(a, b), (b, a)]).collect();
         both.sort_unstable();

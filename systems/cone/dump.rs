@@ -37,13 +37,13 @@ solution.displacements[i] = (first translation, second translation, rotation) to
 stands for a number that is not finite.";
 
 /// Addition to [`FORMAT`] for a program with a periodic cell.
-pub const OF_CELL: &str = " cell.body is the row of the body that stands for the deformation of a \
+pub(crate) const OF_CELL: &str = " cell.body is the row of the body that stands for the deformation of a \
 periodic cell: with its translations U along the global axes and its rotation T, body b of an \
 interaction with image = (x, y) moves by u_b + (x U_x + y cell.arm T, y U_y), and the transpose of \
 this gives the force on that body.";
 
 /// What is added to [`FORMAT`] for a program with elastic rolling moments.
-pub const OF_ROLLING: &str = " The objective has 1/2 C_R (tau - tau_0)^2 besides, with C_R = \
+pub(crate) const OF_ROLLING: &str = " The objective has 1/2 C_R (tau - tau_0)^2 besides, with C_R = \
 rolling_compliance and tau_0 = previous_moment, so that d_r = C_R (tau - tau_0) + l3 - l4; an \
 interaction without the two has C_R = tau_0 = 0.";
 

@@ -236,16 +236,17 @@ impl ConeProgram {
 
     /// Row of the body of the cell and coefficients of (p, q, tau) in its balance rows; `None` for
     /// an interaction in which no image takes part.
-    pub fn rows_of_cell(&self, c: &Interaction) -> Option<(usize, [[f64; 3]; 3])> {
+    pub(crate) fn rows_of_cell(&self, c: &Interaction) -> Option<(usize, [[f64; 3]; 3])> {
         let cell = self.cell.as_ref().filter(|_| c.is_across())?;
         let body = cell.body as usize;
         let [x, y, _] = c.rows(DVec2::X, false);
         Some((body, cell.rows(c.image, self.bodies[body].axis, &[x, y])))
     }
 
-    /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`,
-    /// with the weight of a regularisation beside the inertia, so that momentum holds to round-off whatever the solver's tolerance. An error of the forces
-    /// then appears in the displacements, of which the residuals are computed.
+    /// Replaces the displacements of degrees of freedom with inertia by `u = (load - G f)/inertia`, with
+    /// the weight of a regularisation beside the inertia, so that momentum holds to round-off whatever
+    /// the solver's tolerance. An error of the forces then appears in the displacements, of which the
+    /// residuals are computed.
     pub fn displacements_from_forces(&self, solution: &mut ConeSolution) {
         let mut rows = vec![[0.0; 3]; self.bodies.len()];
         self.add_forces(&solution.forces, &mut rows);
@@ -269,7 +270,7 @@ impl ConeProgram {
     }
 
     /// Whether every free degree of freedom has a weight: inertia or regularisation.
-    pub fn is_damped(&self) -> bool {
+    pub(crate) fn is_damped(&self) -> bool {
         self.free().all(|free| free.inertia + free.proximal > 0.0)
     }
 

@@ -35,7 +35,7 @@ const MIN: f64 = 0.01;
 pub const MAX: f64 = 2.0;
 
 /// Expected displacements by body, and the reach that follows from them.
-pub struct ExpectedMotion {
+pub(crate) struct ExpectedMotion {
     displacement: Vec<DVec2>,
     /// Additional gap in dynamics, over the motion of the faster body.
     hit: f64,
@@ -46,7 +46,7 @@ pub struct ExpectedMotion {
 
 impl ExpectedMotion {
     /// The gap up to which the pair (a, b) is kept, m.
-    pub fn pair_reach(&self, a: u32, b: u32) -> f64 {
+    pub(crate) fn pair_reach(&self, a: u32, b: u32) -> f64 {
         let [a, b] = [a as usize, b as usize];
         let [u, v] = [self.displacement[a], self.displacement[b]];
         let hit = self.hit * u.length().max(v.length());
@@ -54,7 +54,7 @@ impl ExpectedMotion {
     }
 
     /// No pair of the first `n` bodies reaches further than this.
-    pub fn max_reach(&self, n: usize) -> f64 {
+    pub(crate) fn max_reach(&self, n: usize) -> f64 {
         let maximum = self.displacement[..n].iter().map(|d| d.length()).fold(0.0, f64::max);
         ((2.0 * MOTION + self.hit) * maximum + self.margin).min(self.ceiling)
     }
@@ -62,7 +62,7 @@ impl ExpectedMotion {
 
 /// The expected motion is the imposed motion, if any, else free flight in dynamics, else the motion
 /// of the last increment. Every pair is kept up to a gap of `minimum` (m).
-pub fn expected_motion(
+pub(crate) fn expected_motion(
     bodies: &BodyTable,
     analysis: &ClasticAnalysis,
     progress: &ClasticProgress,

@@ -23,7 +23,7 @@ impl Random {
 }
 
 /// All pairs, by looking at all pairs.
-pub fn brute_force(positions: &[DVec2], radii: &[f64], reach: f64) -> Vec<(u32, u32)> {
+pub(crate) fn brute_force(positions: &[DVec2], radii: &[f64], reach: f64) -> Vec<(u32, u32)> {
     let n = positions.len();
     let pairs = (0..n).flat_map(|i| (i + 1..n).map(move |j| (i, j)));
     let near =

@@ -39,6 +39,7 @@ use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, ProgramBody}
 use clastic_cone::residuals::force_scale;
 
 use self::geometry::{Ending, Increment};
+use crate::assemble_program::scales::determined_force;
 use crate::places::digits;
 use crate::solved::{Solved, SolvedTables};
 use crate::turns::{carrying, furthest, of_bonded, of_loaded};
@@ -97,7 +98,9 @@ pub fn judge(
     let counts = tables.counting();
     let ending = increment.ending(state, &counts);
     let last = LAST_FORCE * force_scale(program, &program.last_forces);
-    let unit = force_scale(program, &solution.forces).max(last);
+    let listed = &program.interactions[..solved.contacts.0.len()];
+    let determined = determined_force(bodies, program, listed, 0.0);
+    let unit = force_scale(program, &solution.forces).max(last).min(determined);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
     // Without a pass the geometry is that of the start, where a specimen at rest still is. Its forces may
     // be round-off alone, of which an imbalance says nothing.

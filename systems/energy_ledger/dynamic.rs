@@ -16,7 +16,7 @@ use crate::solved::Solved;
 /// Adds the work of loads and the kinetic energy of a time step of `dt` (s). Returns the
 /// displacements by body at the mean of the velocities before and after, in the axes of the body,
 /// m, m, rad.
-pub fn book_bodies(
+pub(crate) fn book_bodies(
     e: &mut Energies,
     tables: &Tables,
     dt: f64,

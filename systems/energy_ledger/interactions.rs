@@ -230,7 +230,7 @@ fn pressed(compliance: f64, gap: f64, pulls: bool) -> f64 {
 }
 
 /// Forces of the contact after its bond has broken at the end, from the forces of the bond.
-pub fn after_rupture(tables: &Tables, contact: &Contact, [p, q, tau]: [f64; 3]) -> [f64; 3] {
+pub(crate) fn after_rupture(tables: &Tables, contact: &Contact, [p, q, tau]: [f64; 3]) -> [f64; 3] {
     let (law, gap) = (tables.laws.contact(contact), gap_at(tables, contact));
     let radius = contact.common_radius(tables.solved.bodies);
     let p = if law.normal_compliance > 0.0 {

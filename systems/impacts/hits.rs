@@ -76,7 +76,7 @@ impl Motion {
 }
 
 /// Acceleration of a degree of freedom by its loads alone, m/s^2 or rad/s^2, with theta = 1.
-pub fn load_acceleration(free: &FreeDof, dt: f64) -> f64 {
+pub(crate) fn load_acceleration(free: &FreeDof, dt: f64) -> f64 {
     (free.load - free.momentum) / (free.inertia * dt * dt)
 }
 
@@ -134,7 +134,7 @@ impl Approach {
     }
 
     /// Closing in a step with the end velocity of free motion, m.
-    pub fn free_closing(&self, dt: f64) -> f64 {
+    pub(crate) fn free_closing(&self, dt: f64) -> f64 {
         (self.speed + self.acceleration * dt) * dt
     }
 

@@ -42,7 +42,7 @@ pub fn has_restitution(analysis: Res<ClasticAnalysis>) -> bool {
 }
 
 /// Sets offset and geometry of contacts with an impact, and fills [`Impacts`].
-pub fn assemble_rebounds(
+pub(crate) fn assemble_rebounds(
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
     materials: Res<Materials>,

@@ -10,7 +10,7 @@ use clastic_components::observation::Observation;
 use super::principal::axis;
 
 /// Adds the bonds that broke in the increment.
-pub fn follow_cracks(
+pub(crate) fn follow_cracks(
     bodies: Res<BodyTable>,
     observation: Res<Observation>,
     sums: Option<ResMut<CrackSums>>,

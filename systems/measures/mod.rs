@@ -71,7 +71,7 @@ impl StateOf for NamedState {
 /// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The forces of a program are those at the point
 /// theta of it, and its compliances and offsets are divided by theta. `bodies` are those at the end, the
 /// other tables those of the increment.
-pub fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> f64 {
+pub(crate) fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> f64 {
     let Solved { bodies, contacts, program, solution } = solved;
     let end = Moved::not(bodies);
     let force = |k: usize, c: &Interaction| {
@@ -127,7 +127,11 @@ fn stored(
 }
 
 /// Reads stresses and forces on groups, which refer to the geometry at the start of the increment.
-pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
+pub(crate) fn read_start(
+    tables: StressTables,
+    named: Res<NamedMeasures>,
+    mut out: ResMut<Readings>,
+) {
     if named.list.is_empty() {
         return;
     }
@@ -141,7 +145,7 @@ pub fn read_start(tables: StressTables, named: Res<NamedMeasures>, mut out: ResM
 
 /// Tables from which the readings at the end of an increment follow.
 #[derive(SystemParam)]
-pub struct EndTables<'w, 's> {
+pub(crate) struct EndTables<'w, 's> {
     stresses: StressTables<'w, 's>,
     corrections: Res<'w, Corrections>,
     observation: Res<'w, Observation>,
@@ -281,7 +285,7 @@ fn coordination(solved: Solved, rattlers: bool) -> Option<f64> {
 }
 
 /// Reads all other measures except those of plugins.
-pub fn read_end(tables: EndTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
+pub(crate) fn read_end(tables: EndTables, named: Res<NamedMeasures>, mut out: ResMut<Readings>) {
     for (k, (_, quantity)) in named.list.iter().enumerate() {
         let Some(quantity) = quantity else { continue };
         if matches!(quantity, Quantity::Stress(_) | Quantity::GroupForce { .. }) {

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 /// Principal values of the tensor with components xx, yy and xy, and the angle of the major
 /// direction from the x axis, rad, from 0 to below pi.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Principal {
+pub(crate) struct Principal {
     /// Maximum.
     pub major: f64,
     /// Minimum.

@@ -144,7 +144,7 @@ pub fn take_reference(
 }
 
 /// Keeps the strains from which angles of dilation are computed.
-pub fn follow_path(
+pub(crate) fn follow_path(
     named: Res<NamedMeasures>,
     attempt: Res<Attempt>,
     observation: Res<Observation>,
@@ -176,7 +176,7 @@ fn start_of(path: &[[f64; 2]], over: f64) -> Option<usize> {
 /// Angle of dilation at the end of a path of axial and lateral strains, rad. `None` before the
 /// axial strain has changed by `over`, and without shear, that is, if the two strains change
 /// equally.
-pub fn dilation_angle(path: &[[f64; 2]], over: f64) -> Option<f64> {
+pub(crate) fn dilation_angle(path: &[[f64; 2]], over: f64) -> Option<f64> {
     let (from, to) = (path[start_of(path, over)?], path.last()?);
     let change = |k: usize| -((1.0 - to[k]) / (1.0 - from[k])).ln();
     let (axial, lateral) = (change(0), change(1));

@@ -196,7 +196,13 @@ impl StressTables<'_, '_> {
             }
             StressMeasure::Region { component: of, min, max } => {
                 let (min, max) = (DVec2::from(*min), DVec2::from(*max));
-                let sum = moments(solved, |c| part_inside(solved.bodies, c, min, max));
+                let part = |c: &Contact| part_inside(solved.bodies, c, min, max);
+                let inside = |x: &DVec2| x.cmpge(min).all() && x.cmple(max).all();
+                let mut centres = solved.bodies.positions[..solved.bodies.particles].iter();
+                if !centres.any(inside) && solved.contacts.0.iter().all(|c| part(c) == 0.0) {
+                    return None;
+                }
+                let sum = moments(solved, part);
                 let volume = (max - min).element_product() * thickness;
                 Some(component(sum.map(|row| row.map(|s| s / volume)), *of))
             }

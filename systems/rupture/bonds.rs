@@ -41,11 +41,11 @@ impl Plugin for RuptureBondsPlugin {
 
 /// Marks a world whose bonds break by the rule of this file, in followed motions as well.
 #[derive(Resource)]
-pub struct BuiltInRule;
+pub(crate) struct BuiltInRule;
 
 /// Criterion for reaching a limit that has a compliance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Met {
+pub(crate) enum Met {
     /// The slack is below [`RuptureRules::slack`] of the limit. For exact solutions.
     Slack,
     /// The trial force, which a bond of unlimited strength would carry at this motion of its ends,
@@ -56,7 +56,7 @@ pub enum Met {
 }
 
 /// Bonds that the solution brings to a limit, in the order of the contacts.
-pub fn find_ruptures(
+pub(crate) fn find_ruptures(
     solved: Solved,
     rules: &RuptureRules,
     met: Met,
@@ -100,7 +100,7 @@ pub fn rupture(
 
 /// Factor by which trials of the event search increase the strengths. As a power of two it can be
 /// divided out without round-off.
-pub const UNLIMITED: f64 = 8192.0;
+pub(crate) const UNLIMITED: f64 = 8192.0;
 
 /// Increases the strengths of intact bonds so that no trial reaches them. The limit of a yielding
 /// rolling moment does not change.
@@ -115,7 +115,7 @@ pub fn lift_strengths(contacts: &[Contact], interactions: &mut [Interaction]) {
 /// Restores the strengths of bonds after a trial is accepted, so that the following judges use
 /// them. An overloaded bond, which breaks in this increment or later in the avalanche, gets the
 /// strength that its forces need.
-pub fn restore_strengths(found: &[Overload], interactions: &mut [Interaction]) {
+pub(crate) fn restore_strengths(found: &[Overload], interactions: &mut [Interaction]) {
     for overload in found {
         let needed = overload.value.max(1.0);
         multiply(&mut interactions[overload.contact].limits, needed / UNLIMITED);
@@ -173,7 +173,7 @@ pub fn overloads(solved: Solved, factor: f64) -> Vec<Overload> {
 }
 
 /// The overloads R at the start of the increment, by the forces after the last one.
-pub fn overloads_at_start(solved: Solved, factor: f64) -> Vec<Overload> {
+pub(crate) fn overloads_at_start(solved: Solved, factor: f64) -> Vec<Overload> {
     let mut forces = solved.program.last_forces.clone();
     forces.resize(solved.program.interactions.len(), [0.0; 3]);
     let start = ConeSolution { forces, ..ConeSolution::default() };
@@ -182,7 +182,7 @@ pub fn overloads_at_start(solved: Solved, factor: f64) -> Vec<Overload> {
 
 /// The contact whose bond has the maximum overload R, of the bonds that yield in a program with
 /// their own strengths: `R = 1 + multiplier/(C limit)`. `None` if no bond yields.
-pub fn most_yielding(solved: Solved) -> Option<(usize, f64)> {
+pub(crate) fn most_yielding(solved: Solved) -> Option<(usize, f64)> {
     let Solved { program, solution, .. } = solved;
     let bonds = solved.contacts().enumerate().filter(|(_, (contact, ..))| contact.bond.is_some());
     let overloads = bonds.map(|(k, (_, c, f))| {

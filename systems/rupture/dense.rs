@@ -44,7 +44,7 @@ const MAX_SHARE: f64 = 0.04;
 const MARGIN: f64 = 1.25;
 
 /// Run condition: bonds break together.
-pub fn is_dense(search: Res<EventSearch>) -> bool {
+pub(crate) fn is_dense(search: Res<EventSearch>) -> bool {
     search.dense
 }
 

@@ -25,7 +25,7 @@ pub const MARGIN: f64 = 0.9;
 
 /// The solver of the world, with its memory between increments.
 #[derive(Resource, Default)]
-pub struct SlidingSolver(Coulomb);
+pub(crate) struct SlidingSolver(Coulomb);
 
 /// The law of the programs of an attempt that are solved without dilation; `None` if they keep it.
 /// The proof of a collapse keeps it, because it holds for both laws. A followed motion keeps it
@@ -46,7 +46,7 @@ pub fn law_of(
 ///
 /// A solution that did not converge is kept with its residual.
 /// [`coulomb::judge`](crate::attempt::coulomb::judge) decides on it.
-pub fn solve_sliding(
+pub(crate) fn solve_sliding(
     law: Res<FrictionLaw>,
     acceptance: Res<Acceptance>,
     analysis: Res<ClasticAnalysis>,

@@ -38,7 +38,7 @@ use clastic_components::bond::BondId;
 use crate::identities::{NEXT_IDENTITIES, go_back};
 
 use registry::{Entry, registered};
-pub use registry::{Identity, RegisterState, StateOf, StateRegistry};
+pub use registry::{Identity, RegisterState, StateOf};
 
 /// Why a state cannot be captured or restored.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

@@ -34,7 +34,7 @@ pub(super) struct Entry {
 
 /// Registered entries: components, then the others, each in the order of registration.
 #[derive(Resource, Default)]
-pub struct StateRegistry {
+pub(crate) struct StateRegistry {
     entries: Vec<Entry>,
 }
 

@@ -88,7 +88,7 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
         "solver=Clarabel()",
         "friction_law=Associated",
         "rupture.order=Events",
-        "rupture.tolerance=1e-3",
+        "rupture.density=0.2",
         "output.frames_every=2",
         "stages.release.increments=7",
         "stages.hold.gravity=(0.0, 0.0)",

@@ -102,8 +102,9 @@ fn by_more_increments_of_the_last_stage() {
 #[test]
 fn of_a_stored_specimen_from_which_particles_were_taken_away() {
     let with = |increments: u32| {
+        let cut: Vec<u32> = (0..=300).collect();
         let stages = format!(
-            r#"stages=[Remove(name: "cut", select: Range(0, 300)), Load(name: "load",
+            r#"stages=[Remove(name: "cut", select: Index({cut:?})), Load(name: "load",
                 increments: {increments}, particles: [(select: Index([399]), y: Displacement(1.0e-5))])]"#
         );
         load("biaxial_small", &[r#"probes={"last": 399}"#, &stages])

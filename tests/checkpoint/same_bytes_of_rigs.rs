@@ -262,7 +262,7 @@ pub const TURNING: &str = r#"(
     measures: [
         (name: "fixed_n", of: GroupForce(select: Box(min: (0.0, 0.03), max: (0.06, 1.0)), along: Y)),
         (name: "live_n", of: GroupForce(select: Box(min: (0.0, 0.03), max: (0.06, 1.0)), along: Y, live: true)),
-        (name: "moment_nm", of: GroupForce(select: Range(0, 7), along: Moment)),
+        (name: "moment_nm", of: GroupForce(select: Index([0, 1, 2, 3, 4, 5, 6, 7]), along: Moment)),
     ],
     output: (energy: true),
 )"#;

@@ -38,7 +38,7 @@ fn shipped_specimens_under_either_law_of_friction() {
     }
 }
 
-/// A packing by a sieve curve, cut to a disk with a hole and a notch, with clusters of a mineral, a
+/// A packing by a sieve curve, cut to a disk with a hole and a notch, with lumps of a mineral, a
 /// layer and scattered bonds.
 const ALL: &str = r#"(
     version: 1, title: "all", rupture: (rolling: Yields),
@@ -57,7 +57,8 @@ const ALL: &str = r#"(
     specimen: Packing(count: 100, columns: 10, spacing: 0.0205, origin: (0.0, 0.0), material: "matrix",
         sizes: Sieve(passing: [(0.016, 0.0), (0.018, 40.0), (0.02, 100.0)]), seed: 9),
     minerals: [
-        (material: "mica", select: All, clusters: (share: 0.2, size: 0.03, seed: 3)),
+        (material: "mica", select: Union([Circle(centre: (0.05, 0.07), radius: 0.03),
+            Circle(centre: (0.14, 0.13), radius: 0.03)])),
         (material: "band", select: Layer(normal: (0.0, 1.0), from: 0.08, to: 0.12)),
     ],
     keep: Except(Circle(centre: (0.1, 0.1), radius: 0.1),

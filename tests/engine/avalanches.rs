@@ -6,10 +6,11 @@ use std::path::Path;
 use crate::common::*;
 use clastic::components::attempt::{Attempt, IncrementStatus};
 use clastic::components::energy::EnergyLedger;
-use clastic::components::increment::Acceptance;
+use clastic::components::increment::{Acceptance, RuptureRules};
 use clastic::components::observation::Observation;
 use clastic::run::Simulation;
 use clastic::scene;
+use clastic::scene::format::Scene;
 use clastic::systems::motion_settings::MotionSettings;
 
 /// Stiffness of every bond, N/m.
@@ -37,7 +38,7 @@ fn row_behind_a_prop(avalanche: &str, increments: u32) -> Simulation {
         "(
             version: 1,
             title: \"row behind a prop\",
-            rupture: (order: Events, tolerance: {TOLERANCE:?}, avalanche: {avalanche}),
+            rupture: (order: Events, avalanche: {avalanche}),
             output: (energy: true),
             materials: {{ \"glue\": (
                 contact: (normal_stiffness: {STIFFNESS:?}),
@@ -60,7 +61,14 @@ fn row_behind_a_prop(avalanche: &str, increments: u32) -> Simulation {
         -prop * 0.75_f64.sqrt(),
         0.5 * prop,
     );
-    Simulation::new(&parse(&text), None)
+    with_tolerance(&parse(&text))
+}
+
+/// A simulation whose search for an event has the tolerance of this test.
+fn with_tolerance(scene: &Scene) -> Simulation {
+    let mut simulation = Simulation::new(scene, None);
+    simulation.world_mut().resource_mut::<RuptureRules>().tolerance = TOLERANCE;
+    simulation
 }
 
 #[test]

@@ -4,8 +4,10 @@
 use crate::common::*;
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::energy::EnergyLedger;
+use clastic::components::increment::RuptureRules;
 use clastic::components::observation::Observation;
 use clastic::run::{Outcome, Simulation};
+use clastic::scene::format::Scene;
 
 /// Stiffness of every bond, N/m.
 const STIFFNESS: f64 = 1.0e7;
@@ -47,7 +49,7 @@ fn glued(disks: &str, bonds: &str, increments: u32, drives: &str, avalanche: &st
         "(
             version: 1,
             title: \"glued disks\",
-            rupture: (order: Events, tolerance: {TOLERANCE:?}, avalanche: {avalanche}),
+            rupture: (order: Events, avalanche: {avalanche}),
             output: (energy: true),
             materials: {{ \"glue\": (
                 contact: (normal_stiffness: {STIFFNESS:?}),
@@ -58,7 +60,14 @@ fn glued(disks: &str, bonds: &str, increments: u32, drives: &str, avalanche: &st
             stages: [Load(name: \"pull\", increments: {increments}, particles: [{drives}])],
         )",
     );
-    Simulation::new(&parse(&text), None)
+    with_tolerance(&parse(&text))
+}
+
+/// A simulation whose search for an event has the tolerance of this test.
+fn with_tolerance(scene: &Scene) -> Simulation {
+    let mut simulation = Simulation::new(scene, None);
+    simulation.world_mut().resource_mut::<RuptureRules>().tolerance = TOLERANCE;
+    simulation
 }
 
 /// Runs to the end: the observations of all increments.
@@ -184,9 +193,8 @@ fn chain(radii: &[f64], pull: f64, increments: u32, avalanche: &str) -> Simulati
 fn an_avalanche_runs_at_constant_load_and_leaves_no_row_of_its_own() {
     for increments in [1, 11, 40] {
         let step = 5.5e-6 / f64::from(increments);
-        let order = format!("order: Events, tolerance: {TOLERANCE:?}");
-        let scene = fork_scene(&order, increments, &format!("x: Displacement({step:?})"));
-        let mut simulation = Simulation::new(&scene, None);
+        let scene = fork_scene("order: Events", increments, &format!("x: Displacement({step:?})"));
+        let mut simulation = with_tolerance(&scene);
         let records = run(&mut simulation);
         let broken: Vec<_> = records.iter().filter(|r| !r.ruptures.is_empty()).collect();
         assert_eq!(broken.len(), 2, "{increments}");

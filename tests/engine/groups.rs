@@ -51,7 +51,7 @@ fn regions_and_sets_select_what_they_say() {
         ("Group(\"ell\")", vec![0, 1, 2, 3, 4, 8]),
         ("Group(\"rest\")", vec![5, 6, 7, 9, 10, 11]),
         ("Intersection([Group(\"rest\"), Material(\"odd\")])", vec![5, 7, 9, 11]),
-        ("Range(9, 11)", vec![9, 10, 11]),
+        ("Index([9, 10, 11])", vec![9, 10, 11]),
         ("Circle(centre: (0.03, 0.03), radius: 0.021)", vec![1, 4, 5, 6, 9]),
         ("Layer(normal: (1.0, 1.0), from: 0.08, to: 1.0)", vec![11]),
     ] {
@@ -98,7 +98,7 @@ fn cement_takes_a_selection_and_a_law() {
         let stages = format!(
             "Cement(name: \"cement\", length: 1.0e-4{fields}), Load(name: \"rest\", increments: 1)"
         );
-        let mut simulation = Simulation::new(&rows("\"low\": Range(0, 3)", &stages), None);
+        let mut simulation = Simulation::new(&rows("\"low\": Index([0, 1, 2, 3])", &stages), None);
         next(&mut simulation).unwrap();
         let world = simulation.world_mut();
         let mut query = world.query::<&Bond>();

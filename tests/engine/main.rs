@@ -4,7 +4,6 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-mod accuracy;
 mod analytic_bonds;
 mod analytic_dynamics;
 mod analytic_lattice;

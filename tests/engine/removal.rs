@@ -63,7 +63,7 @@ fn the_floor_carries_what_is_left() {
 fn what_loses_its_support_falls() {
     let stages = format!(
         "Load(name: \"rest\", increments: 40, {UPRIGHT}),
-         Remove(name: \"base\", select: Range(0, 2)),
+         Remove(name: \"base\", select: Index([0, 1, 2])),
          Load(name: \"fall\", increments: 20, {UPRIGHT})"
     );
     let (records, _) = run(&column("Dynamic(dt: 1e-3)", &stages));

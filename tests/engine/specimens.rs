@@ -64,77 +64,26 @@ fn a_specimen_is_cut_to_a_disk_with_a_hole_and_a_notch() {
 }
 
 #[test]
-fn layers_and_minerals_have_their_shares_and_follow_places() {
+fn layers_and_minerals_follow_places() {
     for seed in [2, 19, 333] {
-        let text = |size: f64| {
-            format!(
-                r#"(version: 1, title: "minerals", {MATERIALS},
+        let scene = parse(&format!(
+            r#"(version: 1, title: "minerals", {MATERIALS},
             specimen: Packing(count: 4000, columns: 50, spacing: 1.0,
                 sizes: Uniform(radius: (0.2, 0.5)), seed: {seed}, material: "rock"),
             minerals: [
-                (material: "mica", clusters: (share: 0.3, size: {size:?}, seed: {seed})),
+                (material: "mica", select: Circle(centre: (25.0, 30.0), radius: 15.0)),
                 (material: "clay", select: Layer(normal: (0.0, 1.0), from: 30.0, to: 40.0)),
             ])"#
-            )
-        };
-        let scene = parse(&text(4.0));
-        let disks = specimen(&scene, None);
-        let area = |name: Option<&str>, layer: bool| -> f64 {
-            let of = disks.iter().filter(|seed| {
-                name.is_none_or(|name| seed.material.as_deref() == Some(name))
-                    && layer == (30.0..=40.0).contains(&seed.position.1)
-            });
-            of.map(|seed| seed.radius.powi(2)).sum()
-        };
-        // The layer has the last word.
-        assert_eq!(area(Some("clay"), true), area(None, true));
-        assert_eq!(area(Some("clay"), false), 0.0);
-        // The share is that of the whole; the layer takes an eighth of clusters and rock alike, to
-        // within a few of its fifty clusters.
-        let share = area(Some("mica"), false) / area(None, false);
-        assert_within(share, 0.3, 0.06);
-        // Neighbours are alike: of pairs that nearly touch few differ, and fewer in large clusters.
-        let mixed = |scene: &str| {
-            let disks = specimen(&parse(scene), None);
-            let mica = |k: usize| disks[k].material.as_deref() == Some("mica");
-            (0..1400).filter(|k| k % 50 != 49 && mica(*k) != mica(k + 1)).count()
-        };
-        let (small, large) = (mixed(&text(4.0)), mixed(&text(12.0)));
-        // Random places would differ in 0.42 of 1372 pairs.
-        assert!(small < 280 && large < small, "{small}, {large}");
-    }
-}
-
-#[test]
-fn minerals_do_not_depend_on_the_order_of_the_particles() {
-    for seed in [2, 19, 333] {
-        let text = |specimen: &str| {
-            format!(
-                r#"(version: 1, title: "minerals", {MATERIALS}, specimen: {specimen},
-                minerals: [(material: "mica", clusters: (share: 0.3, size: 3.0, seed: {seed}))])"#
-            )
-        };
-        let packing = format!(
-            r#"Packing(count: 200, columns: 20, spacing: 1.0, sizes: Uniform(radius: (0.2, 0.5)),
-                seed: {seed}, material: "rock")"#
-        );
-        let disks = specimen(&parse(&text(&packing)), None);
-        let list: Vec<_> = disks
-            .iter()
-            .rev()
-            .map(|seed| {
-                let ((x, y), r) = (seed.position, seed.radius);
-                format!("(position: ({x:?}, {y:?}), radius: {r:?}, material: \"rock\")")
-            })
-            .collect();
-        let turned = parse(&text(&format!("Particles([{}])", list.join(", "))));
-        let of = |seeds: Vec<Seed>| -> BTreeMap<[u64; 2], Option<String>> {
-            let key = |(x, y): (f64, f64)| [x, y].map(f64::to_bits);
-            seeds.into_iter().map(|seed| (key(seed.position), seed.material)).collect()
-        };
-        let mica = disks.iter().filter(|seed| seed.material.as_deref() == Some("mica")).count();
-        assert!((20..120).contains(&mica), "{mica}");
-        assert_eq!(of(specimen(&turned, None)), of(disks));
+        ));
+        for Seed { position: (x, y), material, .. } in specimen(&scene, None) {
+            // The layer has the last word.
+            let expected = match (x, y) {
+                _ if (30.0..=40.0).contains(&y) => "clay",
+                _ if (x - 25.0).hypot(y - 30.0) <= 15.0 => "mica",
+                _ => "rock",
+            };
+            assert_eq!(material.as_deref(), Some(expected), "seed {seed}: ({x}, {y})");
+        }
     }
 }
 

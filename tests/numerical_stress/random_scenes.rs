@@ -49,7 +49,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         gravity: if r.chance(0.4) { (r.pick(&[0.0, 0.0, 3.0]), -9.81) } else { (0.0, 0.0) },
         analysis: if dynamic { dynamics(r) } else { Analysis::Static },
         friction_law: if r.chance(0.3) {
-            FrictionLaw::Coulomb { factorisations: r.pick(&[10, 100, 800]) }
+            r.pick(&[FrictionLaw::COULOMB, FrictionLaw::COULOMB, FrictionLaw::ByAnalysis])
         } else {
             FrictionLaw::Associated
         },
@@ -67,11 +67,7 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
         probes: BTreeMap::new(),
         cell: None,
         rigid_at_start: Vec::new(),
-        solver: if r.chance(0.05) {
-            Solver::Clarabel { tolerance: 1e-10, max_iterations: 200 }
-        } else {
-            Solver::default()
-        },
+        solver: if r.chance(0.05) { Solver::Clarabel {} } else { Solver::default() },
         acceptance: Acceptance { halvings: r.pick(&[2, 6]), ..Acceptance::default() },
         materials,
         specimen: Specimen::Particles(particles),
@@ -92,7 +88,6 @@ pub fn random_scene(seed: u64, maximum: u32) -> Scene {
             target: CompactTarget::Height(height.max(base)),
             by: Default::default(),
             step: r.between(0.1, 2.0) * base,
-            rest: r.pick(&[CompactRest::Affine, CompactRest::Still]),
             agitation: r.pick(&[0.0, 0.1]),
             seed,
         }));
@@ -345,7 +340,6 @@ fn load(
         membranes: Default::default(),
         remove_membranes: Vec::new(),
         cell: None,
-        accuracy: None,
         stop: Vec::new(),
     }
 }

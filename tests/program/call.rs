@@ -6,6 +6,10 @@ use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
+use bevy_ecs::prelude::*;
+use clastic::output::{self, Ending, OutputPlugin, RunDirectory, RunOptions};
+use clastic::run::{Outcome, Simulation};
+use clastic::scene::LoadedScene;
 use serde_json::Value;
 use tempfile::TempDir;
 
@@ -32,6 +36,22 @@ pub fn run(scene: &str, settings: &[&str]) -> (Assert, TempDir) {
     let mut arguments = vec!["run", scene, "--out", out];
     arguments.extend(settings);
     (clastic(&arguments), directory)
+}
+
+/// Runs a scene into a directory of its own, in this process, with settings of the engine that
+/// scenes do not have.
+pub fn run_with(loaded: &LoadedScene, set: impl FnOnce(&mut World)) -> TempDir {
+    let out = tempfile::tempdir().unwrap();
+    let specimen = loaded.specimen.as_ref();
+    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
+    set(simulation.world_mut());
+    let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
+    output::begin(simulation.world_mut(), options, loaded).unwrap();
+    let outcome = simulation.run();
+    assert!(matches!(outcome, Outcome::Completed | Outcome::Collapsed(_)), "{outcome:?}");
+    output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
+    simulation.world_mut().remove_resource::<RunDirectory>();
+    out
 }
 
 /// A scene of `scenes/` with one text in it replaced by another, as a file.

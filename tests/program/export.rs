@@ -1,9 +1,10 @@
-//! `clastic export`: files for other programs.
+//! `clastic export`: files for ParaView.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use assert_cmd::Command;
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 
 use crate::call::{PROGRAM, ROOT};
 
@@ -30,16 +31,22 @@ fn an_export_has_the_rows_of_the_frames() {
     let parent = tempfile::tempdir().unwrap();
     let out = run(parent.path());
     let dir = out.to_str().unwrap();
-    let said = clastic(&["export", dir, "--format", "csv", "--frame", "end"], 0);
+    let one = out.join("one");
+    let said = clastic(&["export", dir, "--frame", "end", "--out", one.to_str().unwrap()], 0);
     assert!(said.starts_with("1 frames"), "{said}");
-    let rows = |kind: &str| {
-        let path = fs::read_dir(out.join("csv")).unwrap().map(|entry| entry.unwrap().path()).find(
-            |path| path.file_name().unwrap().to_string_lossy().starts_with(&format!("{kind}_")),
-        );
-        let text = fs::read_to_string(path.unwrap()).unwrap();
-        text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>()
+    let text = |kind: &str| {
+        let path = fs::read_dir(&one).unwrap().map(|entry| entry.unwrap().path()).find(|path| {
+            let name = path.file_name().unwrap().to_string_lossy();
+            name.starts_with(&format!("{kind}_")) && name.ends_with(".vtp")
+        });
+        fs::read_to_string(path.unwrap()).unwrap()
     };
-    assert_eq!((rows("bodies").len(), rows("walls").len()), (400, 4));
+    let rows = |kind: &str, element: &str| {
+        let text = text(kind);
+        let (_, rest) = text.split_once(&format!("{element}=\"")).unwrap();
+        rest.split('"').next().unwrap().parse::<usize>().unwrap()
+    };
+    assert_eq!((rows("bodies", "NumberOfPoints"), rows("walls", "NumberOfLines")), (400, 4));
     // The last row of the history counts the bonds that hold and those that broke.
     let history = fs::read_to_string(out.join("history.csv")).unwrap();
     let column = |name: &str| {
@@ -49,14 +56,23 @@ fn an_export_has_the_rows_of_the_frames() {
     };
     let broken = ["broken_tension", "broken_shear", "broken_rolling"].map(column);
     assert!(broken[1] > 0);
-    assert_eq!(rows("cracks").len(), broken.iter().sum::<usize>());
-    assert_eq!(rows("bonds").len(), column("bonds") + broken.iter().sum::<usize>());
-    assert_eq!(rows("bonds").iter().filter(|row| row.ends_with(",0")).count(), column("bonds"));
+    assert_eq!(rows("cracks", "NumberOfLines"), broken.iter().sum::<usize>());
+    let all = column("bonds") + broken.iter().sum::<usize>();
+    assert_eq!(rows("bonds", "NumberOfLines"), all);
+    // Whole numbers of eight bytes each, after the number of bytes.
+    let bonds = text("bonds");
+    let (_, states) = bonds.split_once("Name=\"state\"").unwrap();
+    let states = states.split(['<', '>']).nth(1).unwrap();
+    let states = BASE64_STANDARD.decode(states).unwrap();
+    let states: Vec<_> = states.chunks(8).skip(1).collect();
+    assert_eq!(states.len(), all);
+    let intact = states.iter().filter(|state| state.iter().all(|byte| *byte == 0));
+    assert_eq!(intact.count(), column("bonds"));
 
     // In the order of time, and each once, however they are asked for.
     let some = out.join("some");
     let moments = ["--frame", "end", "--frame", "start", "--frame", "end"];
-    let to = ["export", dir, "--format", "vtk", "--out", some.to_str().unwrap()];
+    let to = ["export", dir, "--out", some.to_str().unwrap()];
     let said = clastic(&[&to[..], &moments].concat(), 0);
     assert!(said.starts_with("2 frames"), "{said}");
     let series = fs::read_to_string(some.join("bodies.pvd")).unwrap();
@@ -67,7 +83,7 @@ fn an_export_has_the_rows_of_the_frames() {
         .collect();
     assert!(times.len() == 2 && times[0] < times[1], "{times:?}");
 
-    clastic(&["export", dir, "--format", "vtk"], 0);
+    clastic(&["export", dir], 0);
     let frames = fs::read_dir(out.join("frames")).unwrap();
     let moments = frames.filter(|entry| {
         let name = entry.as_ref().unwrap().file_name();
@@ -118,8 +134,8 @@ fn a_test_without_stress_has_the_peak_of_its_force_and_what_is_not_there_is_said
     fs::write(&scene, MINERALS).unwrap();
     let dir = out.to_str().unwrap();
     clastic(&["run", scene.to_str().unwrap(), "--quiet", "--out", dir], 0);
-    clastic(&["export", dir, "--format", "csv", "--frame", "peak"], 0);
-    assert!(out.join("csv/bodies_000004.csv").exists());
-    let said = clastic(&["export", dir, "--format", "csv", "--frame", "9999"], 1);
+    clastic(&["export", dir, "--frame", "peak"], 0);
+    assert!(out.join("vtk/bodies_000004.vtp").exists());
+    let said = clastic(&["export", dir, "--frame", "9999"], 1);
     assert!(said.contains("it has frames of the increments 0, 1, 2"), "{said}");
 }

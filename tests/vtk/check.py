@@ -1,7 +1,7 @@
 """Checks exported VTK files with VTK itself against the engine's state and history.
 
     check.py RUN      RUN is the directory of a run of biaxial_small, exported by
-                      clastic export RUN --format vtk
+                      clastic export RUN
 """
 
 import csv

@@ -2,8 +2,8 @@
 
 use crate::output::directory;
 use crate::output::marks::marks;
-use crate::scene::shown;
 use crate::study::{means, planned, table};
+use crate::text::shown;
 
 use super::Sweep;
 use crate::cli::exit::{Exit, Failure, say};

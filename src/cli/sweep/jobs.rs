@@ -33,7 +33,7 @@ struct Running {
 /// Makes the runs `wanted` and the preparations that they need, at most `jobs` at once, in processes
 /// that `words` begin, or this executable where there are none. Returns whether it was interrupted.
 /// The runs under way then write a checkpoint, from which the next sweep continues.
-pub fn run_all(
+pub(crate) fn run_all(
     sweep: &Sweep,
     words: &[OsString],
     wanted: &[usize],

@@ -30,7 +30,7 @@ impl From<StudyError> for Failure {
 }
 
 /// A study whose runs are known and sound.
-pub struct Sweep {
+pub(crate) struct Sweep {
     pub study: Study,
     pub plan: Plan,
     /// Directory of the runs and of the table.

@@ -11,7 +11,7 @@ use crate::cli::exit::complain;
 use crate::cli::progress::bar;
 use crate::output::directory;
 
-pub struct Show {
+pub(crate) struct Show {
     bar: Option<ProgressBar>,
     quiet: bool,
     done: usize,

@@ -6,7 +6,7 @@ use std::path::Path;
 use super::Sweep;
 
 /// The script for `sbatch`. Each task makes one run, as `clastic sweep STUDY --only N` does.
-pub fn job_array(study: &Path, sweep: &Sweep, out: Option<&Path>) -> String {
+pub(crate) fn job_array(study: &Path, sweep: &Sweep, out: Option<&Path>) -> String {
     let out = out.map_or(String::new(), |out| format!(" --out {}", quoted(out)));
     let runs = sweep.plan.runs.len();
     let mut text = format!(

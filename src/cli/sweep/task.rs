@@ -22,7 +22,7 @@ pub enum Task {
 }
 
 /// Result of an attempt to begin a task.
-pub enum Begun {
+pub(crate) enum Begun {
     /// The run is there already.
     Done,
     /// Another process makes it.

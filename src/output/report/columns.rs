@@ -17,7 +17,7 @@ use half::f16;
 
 /// Largest number of steps that fits into this number of bytes. Its opposite less one marks a row
 /// that is not in a frame.
-pub fn most_steps(width: usize) -> i32 {
+pub(crate) fn most_steps(width: usize) -> i32 {
     (1 << (8 * width - 1)) - 1
 }
 
@@ -59,7 +59,7 @@ impl Columns {
     }
 
     /// Numbers over `scale` that change, rounded to `float16`.
-    pub fn changing_halves(&mut self, values: &[f32], scale: f64) {
+    pub(crate) fn changing_halves(&mut self, values: &[f32], scale: f64) {
         self.changing(values.iter().map(|x| ordered(*x, scale)).collect(), 2);
     }
 
@@ -73,7 +73,7 @@ impl Columns {
 
     /// Numbers that change in steps of `step`, of two or three bytes each. Not a number is a row
     /// that is not there; numbers beyond the range are at its end.
-    pub fn changing_steps(&mut self, values: &[f32], step: f64, width: usize) {
+    pub(crate) fn changing_steps(&mut self, values: &[f32], step: f64, width: usize) {
         let most = most_steps(width);
         let steps = |x: &f32| {
             let limit = f64::from(most);

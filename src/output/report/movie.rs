@@ -25,7 +25,7 @@ const NO_BOND: i32 = 255;
 const KEY: usize = 10;
 
 /// Frames in a page.
-pub struct Movie {
+pub(crate) struct Movie {
     /// Names of the columns, scales, times.
     pub description: Value,
     /// Columns that do not change, then those of every frame.

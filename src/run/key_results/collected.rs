@@ -119,20 +119,20 @@ impl KeyResults {
     }
 
     /// Records the number of bonds created so far.
-    pub fn see_bonds(&mut self, created: usize) {
+    pub(crate) fn see_bonds(&mut self, created: usize) {
         // Bonds to a removed wall no longer exist, so the number of existing bonds may decrease.
         self.results.bonds_created = self.results.bonds_created.max(created);
     }
 
     /// Records the bonds that are there between two increments.
-    pub fn count_bonds(&mut self, created: usize, intact: usize) {
+    pub(crate) fn count_bonds(&mut self, created: usize, intact: usize) {
         self.see_bonds(created);
         self.results.bonds_intact = intact;
     }
 
     /// Takes the stresses of a saved state as those at the start of the reference stage, Pa, with
     /// the number of bonds that broke before. A start that is known stays.
-    pub fn start_from(&mut self, axial: f64, lateral: Option<f64>, broken: usize) {
+    pub(crate) fn start_from(&mut self, axial: f64, lateral: Option<f64>, broken: usize) {
         if self.is_start_unknown {
             self.start =
                 Point { stress: axial, lateral_stress: lateral, broken, ..Point::default() };

@@ -15,7 +15,7 @@ pub(crate) use self::observe::{is_undecided, observe_increment};
 pub use self::results::{BrokenBonds, MechanismRecord, PEAK_ERROR, Results, Worst, WorstResiduals};
 
 /// Name of [`KeyResults`] in a state.
-pub const KEY_RESULTS: &str = "key_results";
+pub(crate) const KEY_RESULTS: &str = "key_results";
 
 #[cfg(test)]
 mod tests;

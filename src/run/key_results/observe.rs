@@ -18,12 +18,12 @@ use crate::run::walls::WallCatalogue;
 use crate::scene::format::{Specimen, Stage};
 
 /// Run condition: the increment is undecided.
-pub fn is_undecided(observation: Res<Observation>) -> bool {
+pub(crate) fn is_undecided(observation: Res<Observation>) -> bool {
     observation.status == IncrementStatus::Undecided
 }
 
 /// Records the increment in the key results.
-pub fn observe_increment(
+pub(crate) fn observe_increment(
     (script, progress): (Res<Script>, Res<ClasticProgress>),
     observation: Res<Observation>,
     (bodies, analysis): (Res<BodyTable>, Res<ClasticAnalysis>),
@@ -45,7 +45,7 @@ pub fn observe_increment(
 
 /// Records the bonds that are there. A stage that makes bonds may be the last one, which no
 /// increment follows.
-pub fn count_bonds(world: &mut World) {
+pub(crate) fn count_bonds(world: &mut World) {
     let created = world.resource::<IdentityTable>().next().bond as usize;
     let intact = intact(world);
     world.resource_mut::<KeyResults>().count_bonds(created, intact);
@@ -53,7 +53,7 @@ pub fn count_bonds(world: &mut World) {
 
 /// Takes the stresses at the start of the reference stage from the forces of a saved state. Where
 /// the scene has walls of its own they carry nothing yet, and the start stays unknown.
-pub fn start_from_state(world: &mut World) {
+pub(crate) fn start_from_state(world: &mut World) {
     let scene = &world.resource::<Script>().scene;
     let has_its_walls = world.resource::<WallCatalogue>().inherited.is_some();
     if !matches!(scene.specimen, Specimen::State { .. }) || !has_its_walls {

@@ -5,8 +5,8 @@ use std::cell::LazyCell;
 use crate::run::disks::Disks;
 use crate::run::minerals::specimen;
 use crate::scene::format::{Compact, CompactBy, CompactTarget, Scene, Stage};
-use crate::scene::shown::label;
 use crate::scene::specimen_file::StoredSpecimen;
+use crate::text::shown::label;
 
 /// Of every compaction by a wall to a porosity, the distance of wall and base at its end,
 /// A/((1 - n) L) with the area A of the disks and the length L of the base, in a line each.

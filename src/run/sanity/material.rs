@@ -52,7 +52,7 @@ impl Grains {
     }
 
     /// Whether bonds are stronger than the confining stress.
-    pub fn are_rock(&self, pressure: Option<f64>) -> bool {
+    pub(crate) fn are_rock(&self, pressure: Option<f64>) -> bool {
         self.strength > pressure.unwrap_or(0.0)
     }
 }

@@ -4,7 +4,7 @@ use super::material::Grains;
 use super::{OVERLAP, is_specimen};
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{Particle, Scene, Specimen, Stage, Strain, WallControl};
-use crate::scene::shown::label;
+use crate::text::shown::label;
 use clastic_systems::detect_contacts::grid::pairs_within;
 use glam::DVec2;
 

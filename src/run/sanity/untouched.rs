@@ -21,10 +21,10 @@ use crate::scene::format::{
     Analysis, Load, Motion, Particle, Scene, Slide, Specimen, Stage, Strain, Table, Wall,
     WallControl,
 };
-use crate::scene::shown::label;
+use crate::text::shown::label;
 
 /// Name of [`Untouched`] in a state.
-pub const UNTOUCHED: &str = "sanity.untouched";
+pub(crate) const UNTOUCHED: &str = "sanity.untouched";
 
 /// The driven walls and rigid groups that have carried no force. A run has it from the first stage
 /// on that drives any.
@@ -40,7 +40,7 @@ pub struct Untouched {
 
 /// Forces on driven bodies in the last increment.
 #[derive(SystemParam)]
-pub struct Carried<'w, 's> {
+pub(crate) struct Carried<'w, 's> {
     program: Res<'w, ConeProgram>,
     solution: Res<'w, ConeSolution>,
     walls: Query<'w, 's, (&'static WallName, &'static BodyExternalForce)>,
@@ -66,7 +66,7 @@ impl Carried<'_, '_> {
 }
 
 /// Takes an increment into account.
-pub fn follow_driven(
+pub(crate) fn follow_driven(
     script: Res<Script>,
     progress: Res<ClasticProgress>,
     carried: Carried,

@@ -34,33 +34,24 @@ pub enum FrictionLaw {
     /// The paper's associated law: sliding opens a contact by mu |slip|.
     Associated,
     /// Coulomb's law: sliding does not open a contact.
-    Coulomb {
-        /// Maximum number of factorisations in a solve.
-        #[serde(default = "coulomb_factorisations")]
-        factorisations: u32,
-    },
+    // No unit variant, so that scenes may write `Coulomb()`.
+    Coulomb {},
 }
 
 impl FrictionLaw {
-    /// Coulomb's law with the defaults.
-    pub const COULOMB: Self = Self::Coulomb { factorisations: Coulomb::FACTORISATIONS };
+    /// Coulomb's law.
+    pub const COULOMB: Self = Self::Coulomb {};
 
     /// The law by kind of analysis.
-    pub fn by_analysis(self) -> increment::FrictionLaw {
+    pub(crate) fn by_analysis(self) -> increment::FrictionLaw {
+        let coulomb = Some(Coulomb::default());
         let (in_statics, in_dynamics) = match self {
             Self::Associated => (None, None),
-            Self::ByAnalysis => (None, Some(Coulomb::default())),
-            Self::Coulomb { factorisations } => {
-                let coulomb = Some(Coulomb { factorisations });
-                (coulomb, coulomb)
-            }
+            Self::ByAnalysis => (None, coulomb),
+            Self::Coulomb {} => (coulomb, coulomb),
         };
         increment::FrictionLaw { in_statics, in_dynamics }
     }
-}
-
-fn coulomb_factorisations() -> u32 {
-    Coulomb::FACTORISATIONS
 }
 
 /// The solver.
@@ -71,20 +62,6 @@ pub enum Solver {
     #[default]
     Condensed,
     /// The interior-point solver Clarabel.
-    Clarabel {
-        /// Feasibility and gap tolerance that Clarabel is asked for.
-        #[serde(default = "tolerance")]
-        tolerance: f64,
-        /// Cap on its iterations.
-        #[serde(default = "max_iterations")]
-        max_iterations: u32,
-    },
-}
-
-fn tolerance() -> f64 {
-    1e-10
-}
-
-fn max_iterations() -> u32 {
-    200
+    // No unit variant, so that scenes may write `Clarabel()`.
+    Clarabel {},
 }

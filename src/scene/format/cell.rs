@@ -2,15 +2,13 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A periodic cell: the specimen repeats along (width, 0) and (tilt, height), without walls.
+/// A periodic cell: the specimen repeats along its width and its height, without walls. Stages may
+/// shear it.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cell {
     /// Width and height, m.
     pub size: (f64, f64),
-    /// Component along x of the second vector, m.
-    #[serde(default)]
-    pub tilt: f64,
 }
 
 /// Control of a periodic cell in a stage. A component that is left out keeps its stress if it is
@@ -33,7 +31,7 @@ pub struct CellControl {
 
 impl CellControl {
     /// Whether the mean of width and height is controlled, in place of each of them.
-    pub fn is_by_mean(&self) -> bool {
+    pub(crate) fn is_by_mean(&self) -> bool {
         self.mean.is_some() || self.difference.is_some()
     }
 

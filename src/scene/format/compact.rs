@@ -25,11 +25,9 @@ pub struct Compact {
     /// Maximum motion of the wall, change of the width or height of a cell, or growth of the
     /// largest radius, in an increment, m.
     pub step: f64,
-    /// Reference motion of particles that nothing pushes.
-    #[serde(default)]
-    pub rest: CompactRest,
-    /// Shaking: maximum random part of the reference motion in an increment, in mean radii. Without
-    /// it a random packing jams before it is dense.
+    /// Shaking: maximum random motion in an increment, in mean radii, of particles that nothing
+    /// pushes, beside that with the wall or the cell in proportion to their height. Without it a
+    /// random packing jams before it is dense.
     #[serde(default)]
     pub agitation: f64,
     /// Seed of the shaking.
@@ -62,14 +60,4 @@ pub enum CompactBy {
     Boundary,
     /// All radii grow by the same factor, while walls and cell stand still (radius expansion).
     Radii,
-}
-
-/// Reference motion of a compaction.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum CompactRest {
-    /// Particles move with the wall in proportion to their height, which gives a uniform packing.
-    #[default]
-    Affine,
-    /// Particles stay until they are pushed, so that the packing grows from the moving wall.
-    Still,
 }

@@ -26,7 +26,7 @@ pub struct Scale {
 
 impl Scale {
     /// Whether nothing is scaled.
-    pub fn is_default(&self) -> bool {
+    pub(crate) fn is_default(&self) -> bool {
         *self == Self::default()
     }
 }
@@ -76,9 +76,6 @@ pub struct Load {
     pub remove_membranes: Vec<String>,
     /// Control of the periodic cell, boxed since few stages have one.
     pub cell: Option<Box<CellControl>>,
-    /// Error of the mean stress at which the increments aim, over the stress; without it they are
-    /// those that the stage asks for.
-    pub accuracy: Option<f64>,
     /// Conditions that end the stage early.
     #[serde(default)]
     pub stop: Vec<Stop>,
@@ -89,7 +86,7 @@ pub struct Load {
 
 impl Load {
     /// Whether a load goes to a target in this stage: also the reaction of a rigid group, to 0.
-    pub fn has_target(&self) -> bool {
+    pub(crate) fn has_target(&self) -> bool {
         let loaded = |wall: &WallControl| {
             use WallControl::{Force, Lid, Stress};
             matches!(wall, Force(_) | Stress { .. } | Lid { .. })
@@ -169,7 +166,7 @@ impl RigidControl {
 
     /// Force on the centre at the end of the stage, N, for bodies of this thickness (m); `None` if
     /// the entry gives none.
-    pub fn total_force(&self, thickness: f64) -> Option<(f64, f64)> {
+    pub(crate) fn total_force(&self, thickness: f64) -> Option<(f64, f64)> {
         let by_stress = self.stress.map(|traction| {
             let area = traction.length * thickness;
             (traction.value.0 * area, traction.value.1 * area)

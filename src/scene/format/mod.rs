@@ -35,22 +35,20 @@ pub use clastic_components::observation::{
 };
 pub use clastic_components::wall::WallSlide as Slide;
 
+pub use crate::text::VERSION;
 pub use analysis::{Analysis, FrictionLaw, Solver};
 pub use cell::{Cell, CellControl, CellTarget};
-pub use compact::{Compact, CompactBy, CompactRest, CompactTarget};
+pub use compact::{Compact, CompactBy, CompactTarget};
 pub use load::{Load, MembraneControl, RigidControl, Scale, Traction};
 pub use materials::{Bond, Contact, Material, Scatter, Spread};
 pub use measures::{Area, Length, Measure, Quantity, ROLES, Strain, Stress};
 pub use output::{Output, Record};
 pub use particle_control::{Motion, ParticleControl, Select};
 pub use pour::{Opening, Pour, Rate, Stream};
-pub use specimen::{Clusters, ExplicitBond, Mineral, Particle, Sizes, Specimen};
+pub use specimen::{ExplicitBond, Mineral, Particle, Sizes, Specimen};
 pub(super) use stages::MAX_STAGES;
 pub use stages::{Cement, CustomStage, Remove, Save, Stage, Stop};
 pub use walls::{LidLoad, Table, Wall, WallControl, WallShape};
-
-/// Version of the format.
-pub const VERSION: u32 = 1;
 
 /// A scene: materials, a specimen, walls, and stages.
 #[derive(Clone, Debug, Deserialize, Serialize)]

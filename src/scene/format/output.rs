@@ -2,8 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Scene, Stage};
-
 /// Output in addition to the history.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
@@ -19,14 +17,6 @@ pub struct Output {
 impl Default for Output {
     fn default() -> Self {
         Self { frames_every: 0, plots: true, energy: false }
-    }
-}
-
-impl Scene {
-    /// Whether the scene asks for frames beside those of start, peak and end.
-    pub fn asks_for_frames(&self) -> bool {
-        let asks = |record: &Record| record.frames_every > Some(0) || !record.frames.is_empty();
-        self.output.frames_every > 0 || self.stages.iter().filter_map(Stage::record).any(asks)
     }
 }
 

@@ -32,7 +32,7 @@ pub struct ParticleControl {
 
 impl ParticleControl {
     /// Whether it brings a load of the particles to a target.
-    pub fn is_load(&self) -> bool {
+    pub(crate) fn is_load(&self) -> bool {
         self.force.is_some() || self.moment.is_some() || self.remains.is_some()
     }
 
@@ -114,7 +114,7 @@ impl Select {
     }
 
     /// Whether it, or a group of the scene that it names, depends on the forces of contacts.
-    pub fn needs_forces(&self, groups: &BTreeMap<String, Self>) -> bool {
+    pub(crate) fn needs_forces(&self, groups: &BTreeMap<String, Self>) -> bool {
         match self {
             Self::Loose(_) => true,
             Self::Group(name) => groups.get(name).is_some_and(|of| {

@@ -73,12 +73,12 @@ pub enum Rate {
 
 impl Rate {
     /// Whether it counts mass.
-    pub fn is_of_mass(self) -> bool {
+    pub(crate) fn is_of_mass(self) -> bool {
         matches!(self, Self::Mass(_) | Self::MassOverStage(_))
     }
 
     /// Whether it is spread over the increments of the stage.
-    pub fn is_over_stage(self) -> bool {
+    pub(crate) fn is_over_stage(self) -> bool {
         matches!(self, Self::NumberOverStage(_) | Self::MassOverStage(_))
     }
 

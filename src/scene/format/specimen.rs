@@ -137,31 +137,17 @@ pub struct ExplicitBond {
     pub b: u32,
 }
 
-/// Gives particles of the specimen a material: a layer, or clusters of a mineral.
+/// Gives particles of the specimen a material, as those of a layer.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Mineral {
     /// Material that the particles get.
     pub material: String,
-    /// Which particles may get it, where they are in the specimen.
+    /// Which particles get it, where they are in the specimen.
     #[serde(default = "all")]
     pub select: Select,
-    /// Only in clusters; all selected particles if left out.
-    pub clusters: Option<Clusters>,
 }
 
 fn all() -> Select {
     Select::All
-}
-
-/// Clusters of a mineral: cells of a random tessellation.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Clusters {
-    /// Share of the selected particles by area.
-    pub share: f64,
-    /// Mean size of a cluster, m: the square root of its area.
-    pub size: f64,
-    /// Seed of the tessellation.
-    pub seed: u64,
 }

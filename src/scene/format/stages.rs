@@ -48,7 +48,7 @@ impl Stage {
     }
 
     /// Whether the stage has increments.
-    pub fn has_increments(&self) -> bool {
+    pub(crate) fn has_increments(&self) -> bool {
         match self {
             Self::Compact(_) => true,
             Self::Custom(s) => s.increments > 0,
@@ -57,7 +57,7 @@ impl Stage {
     }
 
     /// Name of the stage, for changes.
-    pub fn name_mut(&mut self) -> &mut String {
+    pub(crate) fn name_mut(&mut self) -> &mut String {
         match self {
             Self::Compact(s) => &mut s.name,
             Self::Save(s) => &mut s.name,
@@ -217,7 +217,7 @@ impl Stop {
 }
 
 /// Maximum number of stages. A slip in `times` must not fill the memory.
-pub const MAX_STAGES: usize = 100_000;
+pub(crate) const MAX_STAGES: usize = 100_000;
 
 /// An item of `stages` as written.
 #[derive(Deserialize)]

@@ -37,7 +37,7 @@ pub struct Wall {
 impl Wall {
     /// Whether the wall is where it is drawn. One that a stage brings to the outermost particles is
     /// not.
-    pub fn is_placed(&self) -> bool {
+    pub(crate) fn is_placed(&self) -> bool {
         self.present || !self.touching
     }
 }
@@ -64,7 +64,7 @@ pub enum WallShape {
 
 impl WallShape {
     /// Whether the wall is one straight piece.
-    pub fn is_straight(&self) -> bool {
+    pub(crate) fn is_straight(&self) -> bool {
         matches!(self, Self::Line | Self::Segment)
     }
 

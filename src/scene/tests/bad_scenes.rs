@@ -165,8 +165,8 @@ fn fields() {
         (r#"walls: {"top": Force(1.0)}"#, r#"walls: {"top": Force(1.0)}, remove_walls: ("top", "bottom")"#,
          "22:55: stages[0].remove_walls: expected a list `[...]`, found `(\"top\", \"bottom\")`; write `[` and `]` for `(` and `)`"),
         (VERSION, "version: 1,
-    friction_law: Coulomb",
-         "3:19: friction_law: expected `Coulomb(...)`, found `Coulomb`; its fields are `factorisations`"),
+    analysis: Dynamic",
+         "3:15: analysis: expected `Dynamic(...)`, found `Dynamic`; its fields are `dt`, `theta`"),
         (r#"title: "Small""#, "title: 5",
          "3:12: title: expected a text in quotes, found `5`; write `\"5\"`"),
         (r#"{"top": Force(1.0)}"#, r#"("top": Force(1.0))"#,
@@ -228,17 +228,6 @@ fn settings() {
             VERSION,
             "version: 1, analysis: Dynamic(dt: 1.0, theta: 0.0)",
             "2:51: analysis.theta: zero (0.0); give a theta from 0.5 to 1: below, energy grows",
-        ),
-        (
-            VERSION,
-            "version: 1, friction_law: Coulomb(factorisations: 0)",
-            "2:55: friction_law.factorisations: zero (0); give a number of 1 or more",
-        ),
-        (
-            VERSION,
-            "version: 1, solver: Clarabel(tolerance: 0.1, max_iterations: 0)",
-            "2:45: solver.tolerance: out of range (0.1); give a tolerance above 0 and up to 1e-2
-2:66: solver.max_iterations: zero (0); give a number of 1 or more",
         ),
         (
             VERSION,

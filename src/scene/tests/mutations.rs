@@ -6,8 +6,8 @@ use super::read;
 use super::samples::FULL;
 use crate::scene::LoadError;
 use crate::scene::overrides::apply;
-use crate::scene::scan::scan;
-use crate::scene::spans::nearest;
+use crate::text::scan::scan;
+use crate::text::spans::nearest;
 
 /// Deletes, inserts or doubles a few bytes.
 fn mutate(text: &str, edits: &[(usize, u8, usize, String)]) -> String {

@@ -11,9 +11,9 @@ Scene(
     thickness: 0.5, /* nested /* comment ) */ here */
     gravity: (0.0, -9.81),
     analysis: Dynamic(dt: 1e-4, theta: 0.5),
-    friction_law: Coulomb(factorisations: 20),
+    friction_law: Coulomb(),
     rupture: (rolling: Yields, order: OneRound, density: 5.0),
-    solver: Clarabel(tolerance: 1e-11, max_iterations: 100),
+    solver: Clarabel(),
     acceptance: (residual: 1e-8, turn: 0.2, halvings: 6),
     materials: {
         "grain": Material(
@@ -42,12 +42,12 @@ Scene(
     ],
     groups: {
         "heap": Union([Circle(centre: (0.0, 0.0), radius: 9.0), Polygon([(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)])]),
-        "few": Except(Group("heap"), Intersection([Range(1, 2), Material("fine sand")])),
+        "few": Except(Group("heap"), Intersection([Index([1, 2]), Material("fine sand")])),
     },
     stages: [
         Compact(
             name: "press", wall: "top", base: "bottom", target: Porosity(0.2), step: 1e-3,
-            rest: Still, agitation: 0.1, seed: 3,
+            agitation: 0.1, seed: 3,
         ),
         Cement(name: "glue", length: 0.01, walls: true),
         Cement(

@@ -1,8 +1,8 @@
 //! Paths and places.
 
 use super::samples::FULL;
-use crate::scene::scan::scan;
-use crate::scene::spans::{Spans, Step, nearest, parse_path, write_path};
+use crate::text::scan::scan;
+use crate::text::spans::{Spans, Step, nearest, parse_path, write_path};
 
 #[track_caller]
 fn says(path: &str, value: &str) {
@@ -15,7 +15,7 @@ fn paths_lead_to_values() {
     says("title", r##"r#"Everything "at once" (and more)"#"##);
     says("gravity[1]", "-9.81");
     says("analysis.dt", "1e-4");
-    says("friction_law.factorisations", "20");
+    says("friction_law", "Coulomb()");
     says("rupture.density", "5.0");
     says("materials.grain.density", "2_650.0");
     says("materials.grain.contact.friction", "0.5");

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::scene::format::Specimen;
-use crate::scene::spans::join;
+use crate::text::spans::join;
 
 use super::findings::At;
 use super::parts::index_exists;

@@ -5,7 +5,7 @@ use glam::DVec2;
 
 use crate::run::cell::at_start;
 use crate::scene::format::{
-    Analysis, Cell, CellTarget, Compact, CompactRest, CompactTarget, Load, Specimen, Stage,
+    Analysis, Cell, CellTarget, Compact, CompactTarget, Load, Specimen, Stage,
 };
 
 use super::Context;
@@ -21,7 +21,6 @@ pub(super) fn check(at: &mut At) {
     let Some(cell) = &scene.cell else { return without(at) };
     let fine = at.positive("cell.size[0]", cell.size.0, "a width in m")
         & at.positive("cell.size[1]", cell.size.1, "a height in m");
-    at.finite("cell.tilt", cell.tilt, "a length in m");
     let needed = MIN_SIZE * 2.0 * max_radius(context).unwrap_or_default();
     let is_small = fine && at.is_sure_of("specimen") && cell.size.0.min(cell.size.1) < needed;
     let help = format!(
@@ -163,8 +162,6 @@ fn compact(at: &mut At, stage: &Compact) {
     let help = "write `target: Porosity(...)` or `target: Jammed`";
     let what = "a height in a periodic cell";
     at.refuse(matches!(stage.target, CompactTarget::Height(_)), "target", what, help);
-    let help = "leave it out: particles move with the cell";
-    at.refuse(stage.rest == CompactRest::Still, "rest", "`Still` in a periodic cell", help);
 }
 
 /// Checks the gravity of the scene or of a stage.

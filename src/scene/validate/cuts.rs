@@ -4,7 +4,7 @@ use crate::scene::format::{Scene, Select, Sizes, Specimen};
 use crate::scene::limits::MAX_PARTICLES;
 use crate::scene::memory;
 use crate::scene::stored_state::StoredSpecimen;
-use crate::scene::suggest;
+use crate::text::suggest;
 
 use super::findings::At;
 use super::places::walls_before;
@@ -36,11 +36,6 @@ pub(super) fn check(at: &mut At) {
         let at = &mut at.item("minerals", i);
         at.material("material", &mineral.material);
         of_specimen(&mut at.field("select"), &mineral.select);
-        if let Some(clusters) = &mineral.clusters {
-            let allowed = |share| share > 0.0 && share <= 1.0;
-            at.number("clusters.share", clusters.share, allowed, "a share above 0 and up to 1");
-            at.positive("clusters.size", clusters.size, "a size in m");
-        }
     }
     if let Some(keep) = &scene.keep {
         of_specimen(&mut at.field("keep"), keep);

@@ -6,10 +6,10 @@ use std::ops::{Deref, DerefMut};
 
 use clastic_components::domain::{Domain, PLACE};
 
-use crate::scene::diagnostic::{Finding, within};
 use crate::scene::format::Analysis;
 use crate::scene::limits::{MAX_NUMBER, MIN_NUMBER};
-use crate::scene::spans::join;
+use crate::text::diagnostic::{Finding, within};
+use crate::text::spans::join;
 
 use super::Context;
 
@@ -141,7 +141,7 @@ impl<'a> At<'_, 'a> {
     }
 
     /// Whether a field contains no made-up value.
-    pub fn is_sure(&self, field: impl Display) -> bool {
+    pub(crate) fn is_sure(&self, field: impl Display) -> bool {
         self.made_up.is_empty() || self.is_sure_of(&self.path(field))
     }
 
@@ -169,7 +169,7 @@ impl<'a> At<'_, 'a> {
     }
 
     /// A finding at the key of the place.
-    pub fn add_at_key(&mut self, message: impl Into<String>, help: impl Into<String>) {
+    pub(crate) fn add_at_key(&mut self, message: impl Into<String>, help: impl Into<String>) {
         let finding = Finding::new(self.path.as_str(), message, help);
         self.push(finding.at_key());
     }
@@ -259,7 +259,7 @@ impl<'a> At<'_, 'a> {
     }
 
     /// Checks an integer of at least 1.
-    pub fn at_least_one(&mut self, field: impl Display, value: u32, what: &str) -> bool {
+    pub(crate) fn at_least_one(&mut self, field: impl Display, value: u32, what: &str) -> bool {
         self.refuse(value == 0, field, "zero (0)", format!("give {what} of 1 or more"));
         value > 0
     }

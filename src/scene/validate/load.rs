@@ -2,7 +2,7 @@
 
 use clastic_components::domain::GRAVITY;
 
-use crate::scene::format::{Analysis, Load, Motion, ParticleControl, Scale, Stage, Stop};
+use crate::scene::format::{Load, Motion, ParticleControl, Scale, Stop};
 
 use super::findings::At;
 use super::select::select;
@@ -37,7 +37,6 @@ pub(super) fn load(at: &mut At, stage: &Load) {
     for (i, stop) in stage.stop.iter().enumerate() {
         stops::check(&mut at.item("stop", i), stop);
     }
-    accuracy(at, stage);
 }
 
 /// Checks the walls that come or go when the stage begins.
@@ -100,23 +99,4 @@ fn control_of_particles(at: &mut At, control: &ParticleControl) {
     let is_given = control.force.is_some() || control.moment.is_some();
     let help = "give the share that remains, or `force` and `moment`";
     at.refuse(control.remains.is_some() && is_given, "remains", "the load is set twice", help);
-}
-
-/// Checks a stage that chooses its increments by an accuracy. Bonds of a saved state are only known
-/// when the stage begins.
-fn accuracy(at: &mut At, stage: &Load) {
-    let Some(accuracy) = stage.accuracy else { return };
-    let scene = at.context.scene;
-    let what = "an error of the stress over the stress, between 0 and 1";
-    at.number("accuracy", accuracy, |value| value > 0.0 && value < 1.0, what);
-    let help = "choose `dt` of a dynamic stage instead";
-    let what = "an accuracy in a dynamic stage";
-    at.refuse(at.analysis != Analysis::Static && at.is_sure_of("analysis"), "accuracy", what, help);
-    let mut earlier = scene.stages.iter().take(at.stage);
-    let is_cemented = earlier.any(|stage| matches!(stage, Stage::Cement(_)));
-    if (is_cemented || !scene.bonds.is_empty()) && at.is_sure_of("stages") {
-        let help = "leave it out: with `rupture: (order: Events)` the strength hardly depends on the \
-                    increment";
-        at.add("accuracy", "an accuracy in a stage with bonds", help);
-    }
 }

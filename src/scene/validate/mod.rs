@@ -26,12 +26,12 @@ mod walls;
 
 use std::collections::BTreeSet;
 
-use super::diagnostic::Finding;
 use super::format::{Particle, Scene, Specimen, Stage, Wall};
 use super::memory;
 use super::stored_state::{StoredSpecimen, StoredState};
 use crate::run::minerals::specimen as cut_specimen;
 use crate::run::particles::BOUNDARY;
+use crate::text::diagnostic::Finding;
 use findings::Findings;
 pub(crate) use places::is_behind;
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 
 use crate::scene::format::{Motion, Wall, WallShape};
-use crate::scene::suggest;
+use crate::text::suggest;
 
 use super::findings::At;
 use super::places::{are_askew, are_opposite, length};

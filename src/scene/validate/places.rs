@@ -24,7 +24,7 @@ fn finest((x, y): (f64, f64)) -> f64 {
 
 /// Whether the centre of a disk is on the outer side of a wall that is a line: also beyond the ends
 /// of its drawn segment. Nothing is behind a wall that is yet to come at the outermost particles.
-pub fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
+pub(crate) fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
     if !(wall.is_placed() && wall.shape.is_line()) {
         return false;
     }

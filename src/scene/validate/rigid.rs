@@ -1,7 +1,7 @@
 //! Rigid groups in a stage: each is made once, and controlled while it is there.
 
 use crate::scene::format::{Load, Motion, RigidControl};
-use crate::scene::suggest;
+use crate::text::suggest;
 
 use super::findings::At;
 use super::parts::{is_known, load, motion, wall_there};

@@ -7,7 +7,7 @@ use glam::DVec2;
 
 use crate::run::select::{Candidate, selects};
 use crate::scene::format::{Particle, Select, Specimen, Stage};
-use crate::scene::spans::join;
+use crate::text::spans::join;
 
 use super::Context;
 use super::findings::At;

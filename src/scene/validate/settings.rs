@@ -2,9 +2,7 @@
 
 use clastic_components::domain;
 
-use crate::scene::format::{
-    Analysis, Avalanche, FrictionLaw, Rupture, RuptureOrder, Solver, VERSION,
-};
+use crate::scene::format::{Analysis, Avalanche, Rupture, RuptureOrder, VERSION};
 
 use super::findings::At;
 
@@ -22,11 +20,7 @@ pub(super) fn check(at: &mut At) {
     at.within("thickness", scene.thickness, domain::THICKNESS);
     at.vector("gravity", scene.gravity, domain::GRAVITY.what);
     analysis(at, Some(scene.analysis));
-    if let FrictionLaw::Coulomb { factorisations } = scene.friction_law {
-        at.at_least_one("friction_law.factorisations", factorisations, "a number");
-    }
     let rupture = &scene.rupture;
-    at.within("rupture.tolerance", rupture.tolerance, domain::OVERLOAD);
     at.within("rupture.density", rupture.density, domain::DENSITY_OF_RUPTURES);
     at.within("rupture.brittleness", rupture.brittleness, domain::BRITTLENESS);
     let Rupture { order, avalanche, .. } = rupture;
@@ -35,11 +29,6 @@ pub(super) fn check(at: &mut At) {
         format!("`{avalanche:?}` has no effect: with `order: {order:?}` there are no avalanches");
     let help = "give `order: Events`, or leave `avalanche` out";
     at.refuse(is_idle, "rupture.avalanche", message, help);
-    if let Solver::Clarabel { tolerance, max_iterations } = scene.solver {
-        let allowed = |value| value > 0.0 && value <= 1e-2;
-        at.number("solver.tolerance", tolerance, allowed, "a tolerance above 0 and up to 1e-2");
-        at.at_least_one("solver.max_iterations", max_iterations, "a number");
-    }
     let acceptance = scene.acceptance;
     at.within("acceptance.residual", acceptance.residual, domain::RESIDUAL);
     at.within("acceptance.turn", acceptance.turn, domain::TURN);

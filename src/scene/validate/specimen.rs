@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use clastic_components::domain;
 
 use crate::scene::coincident::coincident;
-use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Particle, Specimen, Stage};
 use crate::scene::limits::{MAX_MEMORY, MAX_PARTICLES};
 use crate::scene::memory::{self, Need};
 use crate::scene::stored_state::StoredSpecimen;
-use crate::scene::suggest;
+use crate::text::diagnostic::MAX_SHOWN;
+use crate::text::suggest;
 
 use super::bonds;
 use super::findings::At;

@@ -3,7 +3,7 @@
 use clastic_components::domain;
 
 use crate::scene::format::{Analysis, LidLoad, Slide, Table, WallControl};
-use crate::scene::suggest;
+use crate::text::suggest;
 
 use super::findings::At;
 use super::parts::{ONE_PIECE, are_apart, needs_time, one_piece, straight, wall_there};

@@ -6,9 +6,9 @@ use std::collections::BTreeMap;
 use glam::DVec2;
 
 use crate::run::wall_pieces::{CUT, is_cut, pieces};
-use crate::scene::diagnostic::MAX_SHOWN;
 use crate::scene::format::{Particle, Specimen, Stage, Wall, WallShape};
-use crate::scene::spans::join;
+use crate::text::diagnostic::MAX_SHOWN;
+use crate::text::spans::join;
 
 use super::findings::At;
 use super::materials::{bond_of_wall, contact};

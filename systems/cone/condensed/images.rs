@@ -82,7 +82,7 @@ impl Images {
     }
 
     /// Whether this is the place of the cell.
-    pub fn is_cell(&self, place: usize) -> bool {
+    pub(crate) fn is_cell(&self, place: usize) -> bool {
         self.bodies > 0 && place == self.cell
     }
 
@@ -162,7 +162,7 @@ impl Images {
 
     /// The kinematics that the known or the unknown displacements of the cell give image `k` with
     /// these rows.
-    pub fn kinematics_by_cell(
+    pub(crate) fn kinematics_by_cell(
         &self,
         k: usize,
         u: &[[f64; 3]],

@@ -41,7 +41,7 @@ pub fn applies(program: &Scaled) -> bool {
 
 /// Runs the iteration from the displacements `start`, with local elimination between its steps or
 /// without.
-pub fn iterate<S: Elastic<F>, const F: usize>(
+pub(crate) fn iterate<S: Elastic<F>, const F: usize>(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],

@@ -13,7 +13,7 @@ pub fn is_alone() -> bool {
 }
 
 /// Calls `f` for all items, in any order, and returns the results in the order of the items.
-pub fn in_parallel<T: Send, R: Send>(
+pub(crate) fn in_parallel<T: Send, R: Send>(
     items: impl Iterator<Item = T>,
     f: impl Fn(T) -> R + Sync + Send,
 ) -> Vec<R> {
@@ -27,7 +27,7 @@ pub fn in_parallel<T: Send, R: Send>(
 
 /// Calls `f` on a thread of the pool if `worth` it: a thread of the pool hands out work more
 /// quickly.
-pub fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
+pub(crate) fn in_pool<R: Send>(worth: bool, f: impl FnOnce() -> R + Send) -> R {
     if worth && !is_alone() { rayon::scope(|_| f()) } else { f() }
 }
 

@@ -15,7 +15,7 @@ use crate::residuals::{MAX_BALANCE, settle};
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
-pub struct Demand {
+pub(crate) struct Demand {
     /// Maximum residual.
     pub tolerance: f64,
     /// Whether the tolerance is looser than that of increments by default: active limits are not
@@ -78,7 +78,7 @@ impl<'a> Posed<'a> {
 
     /// Displacements as a start, in units and order of the matrix; zero for bodies that are too
     /// far.
-    pub fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    pub(crate) fn in_units(&self, start: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let Units { program, order, .. } = &self.units;
         let (du, _) = program.scales.units();
         let is_near = |u: &[f64; 3]| u[0].hypot(u[1]) <= self.settings.max_start * du[0];
@@ -114,7 +114,7 @@ impl<'a> Posed<'a> {
 
     /// The interior point from a point after sweeps, to the first solution. Such a program is dynamic:
     /// no proof of a collapse is sought.
-    pub fn interior_after(&mut self, swept: &ConeSolution) -> ConeSolution {
+    pub(crate) fn interior_after(&mut self, swept: &ConeSolution) -> ConeSolution {
         let start = self.in_units(&swept.displacements);
         let forces = forces_in_units(self.units.program, &swept.forces);
         self.interior_to(&start, Some(&forces), false, "interior after sweeps")

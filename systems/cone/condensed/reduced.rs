@@ -11,7 +11,7 @@ use super::scaled::Scaled;
 use super::spring::{Elastic, RollingSpring};
 
 /// The reduced program, with the places of its bodies and interactions in the whole one.
-pub struct Reduced {
+pub(crate) struct Reduced {
     /// The reduced program.
     pub program: ConeProgram,
     /// Its bodies, by their number in the whole program.

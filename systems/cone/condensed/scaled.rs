@@ -12,7 +12,7 @@ use super::matrix::places;
 
 /// Maximum number of limits of an interaction: two of shear and two of rolling, which imply that of
 /// tension.
-pub const ROWS: usize = 4;
+pub(crate) const ROWS: usize = 4;
 
 /// The bodies of an interaction, and how they feel `F` forces.
 #[derive(Clone, Copy, Debug)]
@@ -54,7 +54,13 @@ impl<const F: usize> Arms<F> {
     /// As [`add_forces`](Self::add_forces), to rows that begin with those of the body at the place
     /// `first`.
     #[inline]
-    pub fn add_forces_from(&self, first: u32, s: &[f64; F], sign: f64, out: &mut [[f64; 3]]) {
+    pub(crate) fn add_forces_from(
+        &self,
+        first: u32,
+        s: &[f64; F],
+        sign: f64,
+        out: &mut [[f64; 3]],
+    ) {
         for (rows, body) in self.rows.iter().zip(self.bodies) {
             let out = &mut out[(body - first) as usize];
             for k in 0..3 {
@@ -75,7 +81,7 @@ pub fn first<const N: usize>(x: &[f64]) -> [f64; N] {
 
 /// Adds `factor` times other numbers to these.
 #[inline]
-pub fn add_times(x: &mut [f64], factor: f64, y: &[f64]) {
+pub(crate) fn add_times(x: &mut [f64], factor: f64, y: &[f64]) {
     for (x, y) in x.iter_mut().zip(y) {
         *x += factor * y;
     }
@@ -169,7 +175,7 @@ pub struct Scaled {
 }
 
 /// Forces, N and N m, in units of the scales; 0 for the interactions without one.
-pub fn forces_in_units(program: &ConeProgram, forces: &[[f64; 3]]) -> Vec<[f64; 3]> {
+pub(crate) fn forces_in_units(program: &ConeProgram, forces: &[[f64; 3]]) -> Vec<[f64; 3]> {
     let (_, df) = program.scales.units();
     let mut out: Vec<_> = forces.iter().map(|s| [0, 1, 2].map(|f| s[f] / df[f])).collect();
     out.resize(program.interactions.len(), [0.0; 3]);
@@ -260,7 +266,7 @@ impl Scaled {
 
     /// The displacements `u` of free degrees of freedom and the known ones of all others; those of
     /// the images come after them.
-    pub fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
+    pub(crate) fn with_known(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         let of = |i: usize, k: usize| if self.free[i][k] { u[i][k] } else { self.known[i][k] };
         let mut out: Vec<_> = (0..self.free.len()).map(|i| [0, 1, 2].map(|k| of(i, k))).collect();
         self.images.extend(&mut out);
@@ -280,7 +286,7 @@ impl Scaled {
 
     /// The interaction between two bodies that remains of one with an image if the cell is held at
     /// the displacements `u`.
-    pub fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
+    pub(crate) fn with_cell_held(&self, local: &Local, u: &[[f64; 3]]) -> Local {
         let mut out = local.clone();
         let Arms { bodies, rows } = &mut out.arms;
         if let Some(k) = self.images.number(bodies[1] as usize) {
@@ -293,18 +299,18 @@ impl Scaled {
     }
 
     /// Body and direction of all free degrees of freedom.
-    pub fn all_free(&self) -> impl Iterator<Item = (usize, usize)> {
+    pub(crate) fn all_free(&self) -> impl Iterator<Item = (usize, usize)> {
         let bodies = self.free.iter().enumerate();
         bodies.flat_map(|(i, free)| (0..3).filter(|k| free[*k]).map(move |k| (i, k)))
     }
 
     /// Sum of `term` of body and direction over all free degrees of freedom.
-    pub fn sum_of_free(&self, term: impl Fn(usize, usize) -> f64) -> f64 {
+    pub(crate) fn sum_of_free(&self, term: impl Fn(usize, usize) -> f64) -> f64 {
         self.all_free().fold(0.0, |sum, (i, k)| sum + term(i, k))
     }
 
     /// Sets the entries of fixed degrees of freedom to zero.
-    pub fn clear_fixed(&self, x: &mut [[f64; 3]]) {
+    pub(crate) fn clear_fixed(&self, x: &mut [[f64; 3]]) {
         for (x, free) in x.iter_mut().zip(&self.free) {
             for k in (0..3).filter(|k| !free[*k]) {
                 x[k] = 0.0;
@@ -314,7 +320,7 @@ impl Scaled {
 
     /// Sets `out` to `m u - f` on free degrees of freedom: the balance without the forces of the
     /// interactions.
-    pub fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
+    pub(crate) fn balance_of_bodies(&self, u: &[[f64; 3]], out: &mut [[f64; 3]]) {
         out.fill([0.0; 3]);
         for (i, k) in self.all_free() {
             out[i][k] = self.weight[i][k] * u[i][k] - self.right[i][k];

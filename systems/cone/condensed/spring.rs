@@ -32,7 +32,7 @@ pub struct Spring {
 
 /// Forces and their derivatives by the kinematics.
 #[derive(Clone, Copy, Debug)]
-pub struct Response<const F: usize> {
+pub(crate) struct Response<const F: usize> {
     /// Forces.
     pub s: [f64; F],
     /// Derivatives, a symmetric matrix.
@@ -149,7 +149,7 @@ struct Limit {
 
 /// An elastic interaction with a rolling moment, or one without beside others that have one.
 #[derive(Clone, Copy, Debug)]
-pub struct RollingSpring {
+pub(crate) struct RollingSpring {
     /// Stiffness of p, q and tau, 1 over the compliance.
     stiffness: [f64; 3],
     /// Kinematics at which there is no force.

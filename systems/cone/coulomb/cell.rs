@@ -4,7 +4,7 @@ use super::super::condensed::interior::Variables;
 use super::super::condensed::scaled::Local;
 
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
-pub const LIMITS: usize = 5;
+pub(crate) const LIMITS: usize = 5;
 
 /// The law of an interaction in units of the scales. With a its dilation under Coulomb's
 /// law,
@@ -38,7 +38,7 @@ pub struct Linear {
 
 impl Cell {
     /// The numbers of its limits.
-    pub fn each_limit(&self) -> impl Iterator<Item = usize> {
+    pub(crate) fn each_limit(&self) -> impl Iterator<Item = usize> {
         (0..LIMITS).filter(|q| self.local.has[q.div_ceil(2)])
     }
 
@@ -112,7 +112,7 @@ impl Cell {
     /// Derivative of the forces by the kinematics at a point, with slacks and multipliers
     /// eliminated, and with this part of the usual compliances added.
     #[inline]
-    pub fn linearise(&self, x: &Entry, regularisation: f64) -> Linear {
+    pub(crate) fn linearise(&self, x: &Entry, regularisation: f64) -> Linear {
         let soft = self.usual.map(|c| regularisation * c);
         let mut theta = [0.0; LIMITS];
         for q in self.each_limit() {
@@ -160,7 +160,7 @@ impl Cell {
 
     /// Steps of the forces that cancel the residual if no body moves.
     #[inline]
-    pub fn forces_at_rest(&self, linear: &Linear, x: &Entry, r: &Entry) -> [f64; 3] {
+    pub(crate) fn forces_at_rest(&self, linear: &Linear, x: &Entry, r: &Entry) -> [f64; 3] {
         times(&linear.stiffness, &self.asked(x, r).1)
     }
 

@@ -7,7 +7,7 @@ use super::system::{System, Vector};
 use crate::condensed::interior::part_of_way;
 
 /// Iterates from a point until the trial is solved, for at most `max` factorisations.
-pub fn iterate(
+pub(crate) fn iterate(
     system: &mut System,
     mut z: Vector,
     settings: &CoulombInteriorSettings,

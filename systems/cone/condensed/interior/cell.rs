@@ -161,13 +161,13 @@ impl Ahead {
         self.products[2] += dw * dlambda;
     }
 
-    pub fn products_after(&self) -> f64 {
+    pub(crate) fn products_after(&self) -> f64 {
         let [constant, linear, quadratic] = self.products;
         (constant + self.length * (linear + self.length * quadratic)).max(0.0)
     }
 
     /// Shortens the step to where the sum of products has grown by the factor.
-    pub fn bound_growth(&mut self, factor: f64) {
+    pub(crate) fn bound_growth(&mut self, factor: f64) {
         let [constant, linear, quadratic] = self.products;
         if self.products_after() > factor * constant && constant > 0.0 {
             // The positive root of quadratic x^2 + linear x = (factor - 1) constant, without
@@ -182,7 +182,7 @@ impl Ahead {
 /// What the responses A and B say about tau: their gains, and the sum of squares in the
 /// denominator of its step.
 #[derive(Clone, Copy, Default)]
-pub struct Gains {
+pub(crate) struct Gains {
     pub of_residuals: f64,
     pub of_products: f64,
     pub squares: f64,
@@ -333,13 +333,13 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Copies the steps of the forces to their places in the program.
-    pub fn store_steps(&self, forces: &mut [[f64; 3]]) {
+    pub(crate) fn store_steps(&self, forces: &mut [[f64; 3]]) {
         forces[self.number][..F].copy_from_slice(&self.step.s);
     }
 
     /// Sets up the system, adds its stiffness to the matrix, and its part to the right sides of the
     /// responses to the residuals and to the products.
-    pub fn condense(
+    pub(crate) fn condense(
         &mut self,
         min_compliance: f64,
         matrix: &mut Assembly<Cholesky>,
@@ -381,7 +381,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Computes the responses to the residuals and to the products from those of the bodies.
-    pub fn set_responses(&mut self, du: [&[[f64; 3]]; 2], gains: &mut Gains) {
+    pub(crate) fn set_responses(&mut self, du: [&[[f64; 3]]; 2], gains: &mut Gains) {
         let a = self.respond(du[0], 1.0, [0.0; Q]);
         let b = self.respond(du[1], 0.0, self.x.products());
         gains.of_residuals += self.gain(&a);
@@ -399,7 +399,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Computes the response to residuals and products together.
-    pub fn set_response(&mut self, du: &[[f64; 3]]) {
+    pub(crate) fn set_response(&mut self, du: &[[f64; 3]]) {
         self.responses = [self.respond(du, 1.0, self.x.products()), Variables::default()];
     }
 
@@ -426,12 +426,18 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// The gain of the corrector, from that of the bodies.
-    pub fn gain_of_corrector(&self, du: &[[f64; 3]]) -> f64 {
+    pub(crate) fn gain_of_corrector(&self, du: &[[f64; 3]]) -> f64 {
         self.gain(&self.respond(du, 0.0, self.correction))
     }
 
     /// The whole step for a step of the bodies, with these parts of residuals and products.
-    pub fn set_step(&mut self, du: &[[f64; 3]], parts: [f64; 2], rho: f64, ahead: &mut Ahead) {
+    pub(crate) fn set_step(
+        &mut self,
+        du: &[[f64; 3]],
+        parts: [f64; 2],
+        rho: f64,
+        ahead: &mut Ahead,
+    ) {
         let [of_residuals, of_products] = parts;
         let (correction, products) = (self.correction, self.x.products());
         let product = std::array::from_fn(|q| of_products * products[q] + correction[q]);
@@ -462,7 +468,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     }
 
     /// Subtracts its part of the condensed operator, applied to `du`, from the defect.
-    pub fn take_away(&self, du: &[[f64; 3]], defect: &mut Rows) {
+    pub(crate) fn take_away(&self, du: &[[f64; 3]], defect: &mut Rows) {
         let e = self.law.arms.kinematics(du);
         let mut s = [0.0; F];
         for f in 0..F {

@@ -46,7 +46,7 @@ impl<'a> Ending<'a> {
     }
 
     /// Takes note of the current point. Returns how the method ends there; `None` if it goes on.
-    pub fn consider(
+    pub(crate) fn consider(
         &mut self,
         iteration: &mut Iteration,
         judge: &impl Judge,
@@ -157,7 +157,7 @@ impl<'a> Ending<'a> {
     }
 
     /// The point that belongs to an end.
-    pub fn into_point(self, end: SolveStatus) -> Interior {
+    pub(crate) fn into_point(self, end: SolveStatus) -> Interior {
         let Self { best, solution, proof, iterations, .. } = self;
         let point = match end {
             SolveStatus::Solved => solution.unwrap_or(best),

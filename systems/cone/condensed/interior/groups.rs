@@ -45,7 +45,7 @@ impl Groups {
     }
 
     /// Maximum normal force.
-    pub fn max_force(&mut self) -> f64 {
+    pub(crate) fn max_force(&mut self) -> f64 {
         let mut maximum = 0.0_f64;
         for_each!(cell in self => maximum = maximum.max(cell.x.s[0].abs()));
         maximum
@@ -85,7 +85,7 @@ impl Groups {
 
     /// Calls `f` for the interactions of every group with two sets of rows of their bodies and
     /// their part of the matrix.
-    pub fn condense(
+    pub(crate) fn condense(
         &mut self,
         matrix: &mut BodyMatrix,
         [a, b]: [&mut [[f64; 3]]; 2],

@@ -35,7 +35,7 @@ const MAX_PRODUCTS: f64 = 10.0;
 const MIN_TAU: f64 = 1e-12;
 
 /// The current point, its residuals, and the step that leads on from it.
-pub struct Iteration<'a> {
+pub(crate) struct Iteration<'a> {
     program: &'a Scaled,
     matrix: &'a mut BodyMatrix,
     settings: &'a InteriorSettings,
@@ -140,7 +140,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Makes the last step in the interactions, and evaluates all residuals.
-    pub fn update_residuals(&mut self) {
+    pub(crate) fn update_residuals(&mut self) {
         let Self { groups, u, length, .. } = self;
         self.program.balance_of_bodies(u, &mut self.balance);
         let sizes = groups.scatter(&mut self.balance, |cells, balance| {
@@ -213,7 +213,7 @@ impl<'a> Iteration<'a> {
     }
 
     /// Copies the last step of the point, displacements and forces.
-    pub fn store_step(&mut self, point: &mut Interior) {
+    pub(crate) fn store_step(&mut self, point: &mut Interior) {
         point.u.copy_from_slice(&self.du[..self.program.free.len()]);
         for_each!(cell in self.groups => cell.store_steps(&mut point.s));
     }
@@ -357,16 +357,17 @@ impl<'a> Iteration<'a> {
     /// `rest` for both where they are equal. Then makes a whole Newton step, whatever it violates.
     /// Returns whether the point is a number.
     pub fn decide(&mut self, size: f64, rest: f64) -> bool {
-        // No proof is sought any more.
-        self.is_embedded = false;
         for_each!(cell in self.groups => cell.decide(size, rest * rest));
         self.update_residuals();
         self.assemble();
-        if !self.respond() {
+        let [of_residuals, of_products, _] = &self.rights;
+        for (right, (r, p)) in self.right.iter_mut().zip(of_residuals.iter().zip(of_products)) {
+            *right = std::array::from_fn(|k| r[k] + p[k]);
+        }
+        self.du.clone_from(&self.right);
+        if !self.matrix.factorise_shifted_and_solve(&mut self.du) {
             return false;
         }
-        self.right.clone_from(&self.rights[0]);
-        self.du.clone_from(&self.responses[0]);
         self.refine();
         self.set_step([1.0; 2], 0.0);
         let is_finite = self.make_step(1.0, 0.0, 0.0);

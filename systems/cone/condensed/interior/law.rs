@@ -5,7 +5,7 @@ use super::super::scaled::{Arms, Local, first};
 use super::point::slack;
 
 /// Maximum number of pairs of limits.
-pub const MAX_PAIRS: usize = 2;
+pub(crate) const MAX_PAIRS: usize = 2;
 
 /// The law of an interaction with `F` forces and `Q` limits: see [`Local`].
 #[derive(Clone, Debug)]
@@ -28,7 +28,7 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
     /// Pairs of limits.
     pub const PAIRS: usize = Q / 2;
     /// Whether the last limit is one of tension, `-p`.
-    pub const HAS_TENSION: bool = Q % 2 == 1;
+    pub(crate) const HAS_TENSION: bool = Q % 2 == 1;
 
     /// The force that a pair of limits holds.
     #[inline]
@@ -68,7 +68,7 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
 
 /// Forces, slacks and multipliers of one interaction, or their steps. At a point w, lambda > 0.
 #[derive(Clone, Copy, Debug)]
-pub struct Variables<const F: usize, const Q: usize> {
+pub(crate) struct Variables<const F: usize, const Q: usize> {
     /// Forces.
     pub s: [f64; F],
     /// Slacks w of the limits.

@@ -49,7 +49,7 @@ struct Pair {
 
 /// The system at given slacks and multipliers.
 #[derive(Clone, Copy, Debug)]
-pub struct LocalSystem<const F: usize, const Q: usize> {
+pub(crate) struct LocalSystem<const F: usize, const Q: usize> {
     /// Compliances of the step.
     pub compliance: [f64; F],
     /// The matrix T from kinematics to forces.

@@ -73,12 +73,12 @@ pub fn slack(difference: f64, product: f64) -> f64 {
 
 /// Part of the way to the boundary that a step takes at a mean product. Near a solution it may take
 /// nearly all of it: decision 001 has 0.99 and 0.9995.
-pub fn part_of_way(mean_product: f64) -> f64 {
+pub(crate) fn part_of_way(mean_product: f64) -> f64 {
     (1.0 - mean_product).clamp(0.99, 0.9995)
 }
 
 /// Maximum magnitude; not a number if any of them is not.
-pub fn max_magnitude(rows: &[[f64; 3]]) -> f64 {
+pub(crate) fn max_magnitude(rows: &[[f64; 3]]) -> f64 {
     let larger = |m: f64, r: &f64| if r.abs() <= m || m.is_nan() { m } else { r.abs() };
     rows.iter().flatten().fold(0.0, larger)
 }

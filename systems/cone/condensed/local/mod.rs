@@ -43,7 +43,7 @@ pub fn solve(
 }
 
 /// Local elimination between two steps.
-pub struct Elimination<'a> {
+pub(crate) struct Elimination<'a> {
     program: &'a Scaled,
     adjacency: Adjacency,
     settings: &'a LocalSettings,
@@ -89,7 +89,7 @@ impl<'a> Elimination<'a> {
     }
 
     /// Leaves fast bodies out of a step after its line search where that makes it longer.
-    pub fn change_step<S: Elastic<F>, const F: usize>(
+    pub(crate) fn change_step<S: Elastic<F>, const F: usize>(
         &mut self,
         point: &Point<S, F>,
         step: &mut Step<F>,

@@ -25,7 +25,7 @@ impl<A: Arithmetic> Assembly<'_, A> {
     }
 
     /// Adds the weights of a program and `extra` on free degrees of freedom, and 1 on fixed ones.
-    pub fn add_weights(&mut self, program: &Scaled, extra: f64) {
+    pub(crate) fn add_weights(&mut self, program: &Scaled, extra: f64) {
         for (i, (free, weight)) in program.free.iter().zip(&program.weight).enumerate() {
             for k in 0..3 {
                 self.add_diagonal(i, k, if free[k] { weight[k] + extra } else { 1.0 });
@@ -87,7 +87,11 @@ impl<A: Arithmetic> Assembly<'_, A> {
 
 /// Adds the scalar products of the rows of two bodies to a block, row by row of the first.
 #[inline]
-pub fn add_products<const F: usize>(block: &mut [f64], left: &[[f64; F]; 3], rows: &[[f64; F]; 3]) {
+pub(crate) fn add_products<const F: usize>(
+    block: &mut [f64],
+    left: &[[f64; F]; 3],
+    rows: &[[f64; F]; 3],
+) {
     for (left, values) in left.iter().zip(block.chunks_exact_mut(3)) {
         for (value, row) in values.iter_mut().zip(rows) {
             *value += dot(left, row);

@@ -13,14 +13,14 @@
 //! explicit. A machine without fused multiplication computes it in software, far more slowly.
 
 /// Rows are padded to a multiple of this, so that loops over them have no remainder.
-pub const LANES: usize = 4;
+pub(crate) const LANES: usize = 4;
 
 /// Lower triangle of three, column by column, with the inverses of the numbers on its diagonal.
-pub type Triangle = [f64; 6];
+pub(crate) type Triangle = [f64; 6];
 
 /// Adds a block of three lines of three numbers, from `start` on; lines are `len` apart.
 #[inline(always)]
-pub fn add_block(numbers: &mut [f64], len: usize, start: usize, block: &[f64; 9]) {
+pub(crate) fn add_block(numbers: &mut [f64], len: usize, start: usize, block: &[f64; 9]) {
     for (k, values) in block.as_chunks::<3>().0.iter().enumerate() {
         for (x, value) in numbers[start + k * len..][..3].iter_mut().zip(values) {
             *x += value;
@@ -113,7 +113,7 @@ pub fn factorise(panel: &mut [f64], height: usize, triangles: &mut [Triangle]) -
 
 /// Factorises three columns, after the products of the preceding columns have been subtracted.
 #[inline(always)]
-pub fn finish_block(
+pub(crate) fn finish_block(
     block: &mut [f64],
     height: usize,
     pivot: usize,
@@ -177,7 +177,7 @@ pub fn update(panel: &[f64], height: usize, width: usize, bottom: usize, out: &m
 }
 
 /// Number of stored rows of the block of a pivot, in a front with `bodies` pivots and rows.
-pub fn kept_rows(bodies: usize, pivot: usize) -> usize {
+pub(crate) fn kept_rows(bodies: usize, pivot: usize) -> usize {
     (3 * (bodies - 1 - pivot)).next_multiple_of(LANES)
 }
 
@@ -224,7 +224,7 @@ pub fn forward(mut kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut 
 /// Backward solve of one front: `x` has its pivots, the solution of its rows, and zeros for
 /// padding.
 #[inline(always)]
-pub fn backward(mut kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
+pub(crate) fn backward(mut kept: &[f64], bodies: usize, triangles: &[Triangle], x: &mut [f64]) {
     for (k, triangle) in triangles.iter().enumerate().rev() {
         let (own, below) = x[3 * k..].split_at_mut(3);
         let (rest, block) = kept.split_at(kept.len() - 3 * kept_rows(bodies, k));

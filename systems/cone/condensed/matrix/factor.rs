@@ -89,7 +89,7 @@ impl<'a> At<'a> {
     }
 
     /// Blocks of its pivots.
-    pub fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
+    pub(crate) fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
         &bodies[self.task.places.start..][self.front.pivots.clone()]
     }
 
@@ -157,7 +157,7 @@ impl<A: Arithmetic> Factor<A> {
     }
 
     /// Whether there is work for several threads.
-    pub fn is_shared(&self) -> bool {
+    pub(crate) fn is_shared(&self) -> bool {
         self.parts.len() > 1
     }
 
@@ -210,7 +210,7 @@ impl<A: Arithmetic> Factor<A> {
     }
 
     /// Backward solve with the last factor, after the forward solve.
-    pub fn backward(&mut self, fronts: &Fronts, x: &mut [[f64; 3]]) {
+    pub(crate) fn backward(&mut self, fronts: &Fronts, x: &mut [[f64; 3]]) {
         let Self { parts, memory, instructions } = self;
         let pieces = split(x, fronts.tasks.iter().map(|task| task.places.clone()));
         let mut parts: Vec<_> = parts.iter_mut().zip(pieces).collect();

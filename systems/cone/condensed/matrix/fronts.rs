@@ -54,7 +54,7 @@ impl Front {
     }
 
     /// Numbers in the update: a square, whose lower triangle is used.
-    pub fn update_len(&self) -> usize {
+    pub(crate) fn update_len(&self) -> usize {
         self.bottom() * 3 * self.rows.len()
     }
 }
@@ -114,7 +114,7 @@ impl Fronts {
 
     /// Place of a pivot and of a body that is eliminated later among the pivots and rows of the
     /// front of the pivot. The arguments are places in [`order`](Self::order).
-    pub fn in_front(&self, front: usize, bodies: [usize; 2]) -> [usize; 2] {
+    pub(crate) fn in_front(&self, front: usize, bodies: [usize; 2]) -> [usize; 2] {
         let (task, front) = (&self.tasks[self.task_of(front)], &self.list[front]);
         bodies.map(|place| {
             let place = self.within(task, place);
@@ -127,7 +127,7 @@ impl Fronts {
     }
 
     /// The task of a front.
-    pub fn task_of(&self, front: usize) -> usize {
+    pub(crate) fn task_of(&self, front: usize) -> usize {
         self.tasks.partition_point(|task| task.fronts.end <= front)
     }
 

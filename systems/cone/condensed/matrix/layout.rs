@@ -11,7 +11,7 @@ use crate::adjacency::Adjacency;
 
 /// The place of a pair of bodies.
 #[derive(Clone, Copy)]
-pub struct PairPlace {
+pub(crate) struct PairPlace {
     /// Its place among the pairs of all fronts.
     pub place: usize,
     /// Places of its bodies in the order of elimination.
@@ -235,7 +235,7 @@ pub fn places(order: &[usize]) -> Vec<usize> {
 ///
 /// # Panics
 /// If a neighbour is no body.
-pub fn minimum_degree(neighbours: &Adjacency) -> Vec<usize> {
+pub(crate) fn minimum_degree(neighbours: &Adjacency) -> Vec<usize> {
     let (starts, entries) = (neighbours.starts(), neighbours.entries());
     let order = amd::order(neighbours.bodies(), starts, entries, &amd::Control::default());
     order.expect("neighbours are bodies").0

@@ -33,7 +33,7 @@ struct OfFront {
 }
 
 /// The factor of a task.
-pub struct Lu {
+pub(crate) struct Lu {
     fronts: Vec<OfFront>,
     /// Sign of the determinant of the pivots; 0 if there is no factor.
     pub sign: f64,

@@ -64,7 +64,7 @@ pub type BodyMatrix = Matrix<Cholesky>;
 /// Rows are exchanged among the pivots of a front only, so that the fronts do not depend on the
 /// values. This costs accuracy, which the caller recovers by iterative refinement. The sign of the
 /// determinant comes with the factor.
-pub type UnsymmetricMatrix = Matrix<Lu>;
+pub(crate) type UnsymmetricMatrix = Matrix<Lu>;
 
 impl<A: Arithmetic> Default for Matrix<A> {
     fn default() -> Self {
@@ -97,7 +97,7 @@ impl<A: Arithmetic> Matrix<A> {
 
     /// A program in the order of elimination. Its pattern is taken over, unless the matrix has it
     /// already, and its images, which [`Assembly::add`] needs for interactions with them.
-    pub fn pose(&mut self, program: &ConeProgram) -> Scaled {
+    pub(crate) fn pose(&mut self, program: &ConeProgram) -> Scaled {
         let bodies = program.bodies.len();
         let pairs = images::pairs(program);
         if self.bodies.len() != bodies || !pairs.clone().eq(self.given.iter().copied()) {
@@ -109,7 +109,7 @@ impl<A: Arithmetic> Matrix<A> {
     }
 
     /// Whether there is work for several threads.
-    pub fn is_shared(&self) -> bool {
+    pub(crate) fn is_shared(&self) -> bool {
         self.factor.is_shared()
     }
 
@@ -215,7 +215,7 @@ impl<A: Arithmetic> Matrix<A> {
 
 impl BodyMatrix {
     /// Maximum value on the diagonal.
-    pub fn max_diagonal(&self) -> f64 {
+    pub(crate) fn max_diagonal(&self) -> f64 {
         let on_diagonal =
             |block: &<Cholesky as Arithmetic>::Body| Cholesky::DIAGONAL.map(|k| block[k]);
         self.bodies.iter().flat_map(on_diagonal).fold(0.0, f64::max)
@@ -236,7 +236,7 @@ impl BodyMatrix {
     /// As [`factorise_and_solve`](Self::factorise_and_solve), with a larger diagonal where
     /// round-off has cost the matrix its positive definiteness.
     #[must_use = "without a factor the right side is where the solution would be"]
-    pub fn factorise_shifted_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
+    pub(crate) fn factorise_shifted_and_solve(&mut self, x: &mut [[f64; 3]]) -> bool {
         let maximum = self.max_diagonal();
         let mut shifts = SHIFTS.into_iter();
         while !self.factorise_and_solve(x) {

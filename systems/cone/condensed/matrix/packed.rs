@@ -18,7 +18,7 @@ const CHUNK: usize = 3 * LANES;
 const MIN_SIZE: [usize; 2] = [240, 24];
 
 /// Numbers in the copy of a front; 0 if it has none.
-pub fn packed_len(front: &Front) -> usize {
+pub(crate) fn packed_len(front: &Front) -> usize {
     let large = front.height() >= MIN_SIZE[0] && front.width() >= MIN_SIZE[1];
     if large { front.height().next_multiple_of(CHUNK) * front.width() } else { 0 }
 }

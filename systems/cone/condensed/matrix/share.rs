@@ -20,7 +20,7 @@ pub trait Share: Copy + Sync {
 
 /// One thread works on a front.
 #[derive(Clone, Copy)]
-pub struct Alone;
+pub(crate) struct Alone;
 
 impl Share for Alone {
     #[inline(always)]
@@ -40,7 +40,7 @@ impl Share for Arch {
 pub struct By<H, W>(pub H, pub W);
 
 /// Does the work, with the threads of the pool on large fronts if it is `shared`.
-pub fn dispatch<W, R>(instructions: Arch, shared: bool, work: W) -> R
+pub(crate) fn dispatch<W, R>(instructions: Arch, shared: bool, work: W) -> R
 where
     By<Alone, W>: WithSimd<Output = R>,
     By<Arch, W>: WithSimd<Output = R>,
@@ -56,7 +56,7 @@ where
 /// all at once, or in pieces on the threads of the pool, as `share` says. A unit has `len` numbers
 /// and takes about `work` multiplications.
 #[inline(always)]
-pub fn in_pieces<'a, S: Simd, O: WithSimd<Output = ()>>(
+pub(crate) fn in_pieces<'a, S: Simd, O: WithSimd<Output = ()>>(
     simd: S,
     share: impl Share,
     data: &'a mut [f64],

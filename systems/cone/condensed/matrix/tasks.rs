@@ -21,7 +21,7 @@ const MIN_WORK: f64 = 1e6;
 
 /// A task of the cut.
 #[derive(Default)]
-pub struct Cut {
+pub(crate) struct Cut {
     /// The columns at the feet of its subtrees. The tasks below it are parts of these subtrees that
     /// do not belong to it.
     pub feet: Vec<usize>,
@@ -136,7 +136,7 @@ pub fn work(pivots: usize, rows: usize) -> f64 {
 /// Calls `f` for every task of complete subtrees with the data of the other tasks in its subtree,
 /// and its own: for those below a task first. Returns whether all calls returned true; a task above
 /// one that did not is left out.
-pub fn upward<T: Send + Sync>(
+pub(crate) fn upward<T: Send + Sync>(
     sizes: &[usize],
     data: &mut [T],
     f: &(impl Fn(&mut [T], &mut T) -> bool + Sync),
@@ -154,7 +154,7 @@ pub fn upward<T: Send + Sync>(
 
 /// Calls `f` for every task of complete subtrees with the data of the task `above` it, and its own:
 /// for the task above first.
-pub fn downward<T: Send + Sync>(
+pub(crate) fn downward<T: Send + Sync>(
     sizes: &[usize],
     data: &mut [T],
     above: Option<&T>,

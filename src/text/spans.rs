@@ -33,7 +33,7 @@ impl<'t> Spans<'t> {
 
 /// Byte of a field: that of its value or its key. For a missing field it is that of the innermost
 /// value around it.
-pub(in crate::scene) fn nearest(root: &Node, path: &str, at_key: bool) -> usize {
+pub(crate) fn nearest(root: &Node, path: &str, at_key: bool) -> usize {
     let Some(steps) = parse_path(path) else { return 0 };
     let found = descend(root, &steps);
     match found.key {
@@ -53,7 +53,7 @@ pub enum Step {
 
 impl Step {
     /// Path of the part of the value at `path` to which the step leads.
-    pub(in crate::scene) fn after(&self, path: &str) -> String {
+    pub(crate) fn after(&self, path: &str) -> String {
         match self {
             Self::Name(name) => join(path, name),
             Self::Index(index) => format!("{path}[{index}]"),
@@ -61,7 +61,7 @@ impl Step {
     }
 
     /// The name; `None` for an index.
-    pub(in crate::scene) fn name(&self) -> Option<&str> {
+    pub(crate) fn name(&self) -> Option<&str> {
         match self {
             Self::Name(name) => Some(name),
             Self::Index(_) => None,
@@ -70,7 +70,7 @@ impl Step {
 }
 
 /// Parses a path; `None` if it is malformed. The empty path is the scene itself.
-pub fn parse_path(path: &str) -> Option<Vec<Step>> {
+pub(crate) fn parse_path(path: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     let mut rest = path;
     while !rest.is_empty() {
@@ -112,12 +112,12 @@ pub fn join(path: &str, name: &str) -> String {
 }
 
 /// Writes a path; the inverse of [`parse_path`].
-pub fn write_path(steps: &[Step]) -> String {
+pub(crate) fn write_path(steps: &[Step]) -> String {
     steps.iter().fold(String::new(), |path, step| step.after(&path))
 }
 
 /// Result of following a path.
-pub(in crate::scene) struct Found<'n, 't> {
+pub(crate) struct Found<'n, 't> {
     /// The last value that was found.
     pub node: &'n Node<'t>,
     /// Key of this value.
@@ -127,7 +127,7 @@ pub(in crate::scene) struct Found<'n, 't> {
 }
 
 /// Walks along a path and stops at the first step that the text does not have.
-pub(in crate::scene) fn descend<'n, 't>(root: &'n Node<'t>, steps: &[Step]) -> Found<'n, 't> {
+pub(crate) fn descend<'n, 't>(root: &'n Node<'t>, steps: &[Step]) -> Found<'n, 't> {
     let mut found = Found { node: root, key: None, depth: 0 };
     for step in steps {
         let Some(entry) = child(found.node, step) else { break };
@@ -138,19 +138,19 @@ pub(in crate::scene) fn descend<'n, 't>(root: &'n Node<'t>, steps: &[Step]) -> F
 
 /// The value whose parts a path addresses: the payload of a variant with one value in brackets,
 /// else the value itself.
-pub(in crate::scene) fn unwrapped<'n, 't>(node: &'n Node<'t>) -> &'n Node<'t> {
+pub(crate) fn unwrapped<'n, 't>(node: &'n Node<'t>) -> &'n Node<'t> {
     match (node.shape, node.entries.as_slice()) {
         (Shape::Tuple, [only]) if is_group(&only.value) => unwrapped(&only.value),
         _ => node,
     }
 }
 
-pub(in crate::scene) fn is_group(node: &Node) -> bool {
+pub(crate) fn is_group(node: &Node) -> bool {
     matches!(node.shape, Shape::Struct | Shape::Tuple | Shape::List | Shape::Map)
 }
 
 /// The `name` of a list item.
-pub(in crate::scene) fn item_name(node: &Node) -> Option<String> {
+pub(crate) fn item_name(node: &Node) -> Option<String> {
     unquote(unwrapped(node).field("name")?.literal)
 }
 

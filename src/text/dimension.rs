@@ -3,11 +3,11 @@
 use std::collections::BTreeMap;
 
 use super::units::parse;
-use crate::scene::values::a_number;
+use super::values::a_number;
 
 /// Dimension of an expression: a product of powers.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(in crate::scene) struct Dimension {
+pub(crate) struct Dimension {
     /// Powers of m, kg and s, apart from those of names. An angle is a plain number.
     pub powers: [f64; 3],
     names: BTreeMap<String, f64>,
@@ -17,7 +17,7 @@ pub(in crate::scene) struct Dimension {
 }
 
 /// Powers of m, kg and s of names whose unit is known.
-pub(in crate::scene) type Known = BTreeMap<String, [f64; 3]>;
+pub(crate) type Known = BTreeMap<String, [f64; 3]>;
 
 impl Dimension {
     /// That of a number without a name.
@@ -25,11 +25,11 @@ impl Dimension {
         Self { has_literal: true, ..Self::default() }
     }
 
-    pub fn of_name(name: &str) -> Self {
+    pub(crate) fn of_name(name: &str) -> Self {
         Self { names: [(name.to_owned(), 1.0)].into(), ..Self::default() }
     }
 
-    pub fn of_unit(unit: &str) -> Self {
+    pub(crate) fn of_unit(unit: &str) -> Self {
         let powers = parse(&unit.replace('^', "")).map_or([0; 4], |(_, powers)| powers);
         let [m, kg, s, _] = powers.map(f64::from);
         Self { powers: [m, kg, s], ..Self::default() }
@@ -75,7 +75,7 @@ impl Dimension {
 
 /// Finds the units of names from pairs of dimensions that are the same and have one name whose unit
 /// is not known.
-pub(in crate::scene) fn solve(pairs: &[&[Dimension; 2]], known: &mut Known) {
+pub(crate) fn solve(pairs: &[&[Dimension; 2]], known: &mut Known) {
     loop {
         let before = known.len();
         for [a, b] in pairs.iter().filter(|pair| !pair.iter().any(|side| side.has_literal)) {
@@ -92,7 +92,7 @@ pub(in crate::scene) fn solve(pairs: &[&[Dimension; 2]], known: &mut Known) {
 
 /// What is wrong with a pair of dimensions that must be the same; `None` if nothing is, or if it
 /// cannot be told.
-pub(in crate::scene) fn conflict([a, b]: &[Dimension; 2], known: &Known) -> Option<String> {
+pub(crate) fn conflict([a, b]: &[Dimension; 2], known: &Known) -> Option<String> {
     let [a, b] = [a.clone().with(known), b.clone().with(known)];
     let sure = |side: &Dimension| !side.has_literal || side.powers != [0.0; 3];
     let differ = a.powers.iter().zip(b.powers).any(|(a, b)| (a - b).abs() > 1e-9);

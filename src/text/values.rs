@@ -54,13 +54,13 @@ fn defined_names(root: &Node) -> BTreeMap<String, Span> {
 }
 
 /// Names that `let` defines.
-pub(super) fn names(root: &Node) -> Vec<String> {
+pub(crate) fn names(root: &Node) -> Vec<String> {
     defined_names(root).into_keys().collect()
 }
 
 /// What names and expressions of a text have come to.
 #[derive(Default)]
-pub(super) struct Values {
+pub(crate) struct Values {
     /// Mistakes in the use of names and expressions.
     pub placed: Vec<Placed>,
     /// Tables that expressions stood for: path and number of increments.
@@ -70,7 +70,7 @@ pub(super) struct Values {
 }
 
 /// Names that stand in the numbers of a text.
-pub(super) fn used(root: &Node) -> BTreeSet<String> {
+pub(crate) fn used(root: &Node) -> BTreeSet<String> {
     let mut uses = Vec::new();
     walk(root, String::new(), None, &mut uses);
     uses.iter().flat_map(|at| at.expression.names()).map(str::to_owned).collect()
@@ -78,7 +78,7 @@ pub(super) fn used(root: &Node) -> BTreeSet<String> {
 
 /// Puts numbers in place of names and expressions. Names that are `spared` need no use: a setting has
 /// taken it.
-pub(super) fn put_in(root: &mut Node, spared: &BTreeSet<String>) -> Values {
+pub(crate) fn put_in(root: &mut Node, spared: &BTreeSet<String>) -> Values {
     let (values, mut replacements) = replacements(root, spared);
     replace(root, &mut replacements);
     values
@@ -258,7 +258,7 @@ fn pairs(at: &Use, places: &BTreeMap<String, Span>) -> Vec<[Dimension; 2]> {
     pairs
 }
 
-pub(super) fn a_number(unit: &str) -> String {
+pub(crate) fn a_number(unit: &str) -> String {
     if unit.is_empty() { "a plain number".to_owned() } else { format!("a number in {unit}") }
 }
 
@@ -272,7 +272,7 @@ fn is_name(name: &str) -> bool {
 }
 
 /// Whether a value is a name or an expression, which can stand for a number.
-pub(super) fn stands(node: &Node) -> bool {
+pub(crate) fn stands(node: &Node) -> bool {
     let is_word = || is_name(node.literal) || node.literal == "pi";
     node.shape == Shape::Expression || (node.shape == Shape::Word && is_word())
 }
@@ -308,7 +308,7 @@ fn walk<'n, 't>(
 }
 
 /// Help for a word or an expression that stands for no number. `unit` is that of the number.
-pub(super) fn help(node: &Node, names: &[String], unit: Option<&str>) -> String {
+pub(crate) fn help(node: &Node, names: &[String], unit: Option<&str>) -> String {
     let literal = node.literal;
     let expression = match parse(literal) {
         Ok(expression) if node.shape == Shape::Expression || is_name(literal) => expression,

@@ -85,6 +85,7 @@ impl<'a> Reader<'a> {
         let list = suggest::list(allowed);
         let help = match meant {
             Some(field) => format!("did you mean `{field}`? the fields here are {list}"),
+            None if allowed.is_empty() => "leave it out: there are no fields here".to_owned(),
             None => format!("the fields here are {list}"),
         };
         cx.note(at, &join(path, &key.text), format!("unknown field `{}`", key.text), help);
@@ -220,14 +221,17 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
         let Self { name, reader } = self;
         let is_word = reader.node.shape == Shape::Word;
         let entries = reader.node.entries.as_slice();
-        if !is_word && entries.iter().all(|entry| entry.key.is_some()) {
+        // Without fields brackets may be left out.
+        let is_whole = !is_word || fields.is_empty();
+        if is_whole && entries.iter().all(|entry| entry.key.is_some()) {
             return reader.fields(fields, visitor);
         }
-        let first = fields.first().copied().unwrap_or_default();
+        let Some(first) = fields.first() else {
+            return reader.expected(&format!("plain `{name}`")).fields(fields, visitor);
+        };
         let what =
             if is_word { format!("`{name}(...)`") } else { format!("`{name}({first}: ...)`") };
         let help = match entries {
-            _ if is_word && fields.is_empty() => format!("write `{name}()`"),
             _ if is_word => format!("its fields are {}", suggest::list(fields)),
             [Entry { value, .. }] if !is_group(value) => {
                 format!("write `{name}({first}: {})`", value.literal)

@@ -9,7 +9,7 @@ use super::spans::nearest;
 use super::tree::Node;
 
 /// Maximum number of diagnostics that are shown.
-pub const MAX_SHOWN: usize = 20;
+pub(crate) const MAX_SHOWN: usize = 20;
 
 /// A field of a scene with an invalid value, not yet assigned to a place in a text.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ impl Finding {
     }
 
     /// The same about the key of the field.
-    pub(super) fn at_key(self) -> Self {
+    pub(crate) fn at_key(self) -> Self {
         Self { at_key: true, ..self }
     }
 }
@@ -113,14 +113,14 @@ impl std::error::Error for SceneErrors {}
 
 /// A finding at a byte of a text.
 #[derive(Clone, Debug)]
-pub(super) struct Placed {
+pub(crate) struct Placed {
     pub at: usize,
     pub finding: Finding,
 }
 
 /// Assigns findings to places in a tree. `renamed` contains the misspelt fields of the text: the
 /// correct path and the path as written, outer fields first.
-pub(super) fn place(
+pub(crate) fn place(
     root: &Node,
     findings: Vec<Finding>,
     renamed: &[(String, String)],
@@ -139,14 +139,14 @@ pub(super) fn place(
 }
 
 /// Whether a path equals another path or is a part of it.
-pub(super) fn within(path: &str, whole: &str) -> bool {
+pub(crate) fn within(path: &str, whole: &str) -> bool {
     let rest = path.strip_prefix(whole);
     rest.is_some_and(|rest| whole.is_empty() || rest.is_empty() || rest.starts_with(['.', '[']))
 }
 
 impl SceneErrors {
     /// Sorts findings by their place, and counts lines and columns for those that are shown.
-    pub(super) fn new(file: &Path, text: &EditedText, mut placed: Vec<Placed>) -> Self {
+    pub(crate) fn new(file: &Path, text: &EditedText, mut placed: Vec<Placed>) -> Self {
         placed.sort_by_key(|placed| placed.at);
         let omitted = placed.len().saturating_sub(MAX_SHOWN);
         placed.truncate(MAX_SHOWN);
@@ -164,7 +164,7 @@ impl SceneErrors {
 }
 
 /// Line and column, from 1, of a byte of a text.
-pub(super) fn line_and_column(text: &str, at: usize) -> (usize, usize) {
+pub(crate) fn line_and_column(text: &str, at: usize) -> (usize, usize) {
     let before = text.get(..at).unwrap_or(text);
     let start = before.rfind('\n').map_or(0, |newline| newline + 1);
     (1 + before.matches('\n').count(), 1 + before[start..].chars().count())

@@ -41,7 +41,7 @@ impl EditedText {
     }
 
     /// Replaces a span of the text by the text of a setting.
-    pub(super) fn replace(&mut self, span: Span, new: &str, set: &str) {
+    pub(crate) fn replace(&mut self, span: Span, new: &str, set: &str) {
         self.text.replace_range(span.clone(), new);
         self.edits.push(Edit { span, length: new.len(), set: set.to_owned() });
     }

@@ -12,7 +12,7 @@ use super::units;
 const LONGEST: usize = 1000;
 
 #[derive(Clone, Debug)]
-pub(in crate::scene) enum Expression {
+pub(crate) enum Expression {
     Number(f64),
     /// A name that `let` defines.
     Name(String),
@@ -23,7 +23,7 @@ pub(in crate::scene) enum Expression {
 }
 
 #[derive(Debug)]
-pub(in crate::scene) struct Function {
+pub(crate) struct Function {
     name: &'static str,
     value: fn(f64) -> f64,
     /// Power of the unit of the argument in that of the value. `None`: argument and value are plain
@@ -45,11 +45,11 @@ const FUNCTIONS: [Function; 11] = [
     Function { name: "ln", value: libm::log, power: None },
 ];
 
-pub(in crate::scene) fn is_function(word: &str) -> bool {
+pub(crate) fn is_function(word: &str) -> bool {
     FUNCTIONS.iter().any(|function| function.name == word)
 }
 
-pub(in crate::scene) fn parse(text: &str) -> Result<Expression, String> {
+pub(crate) fn parse(text: &str) -> Result<Expression, String> {
     if text.len() > LONGEST {
         return Err(format!("give parts of it names in `let`: it has more than {LONGEST} bytes"));
     }

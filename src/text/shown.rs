@@ -8,7 +8,7 @@ const LONGEST: usize = 200;
 const KEPT: usize = 80;
 
 /// Text with control characters escaped and line breaks kept.
-pub fn escaped(text: &str) -> String {
+pub(crate) fn escaped(text: &str) -> String {
     escape(text, |c| c == '\n')
 }
 
@@ -19,7 +19,7 @@ pub fn label(text: &str) -> String {
 
 /// A message that quotes a scene, on one line, with control characters escaped and very long tokens
 /// shortened. A token is a text in backquotes or a text without blanks.
-pub(super) fn brief(message: &str) -> String {
+pub(crate) fn brief(message: &str) -> String {
     let words = |part: &str| part.split(' ').map(shortened).collect::<Vec<_>>().join(" ");
     let parts = message.split('`').enumerate();
     let parts = parts.map(|(k, part)| if k % 2 == 1 { shortened(part) } else { words(part) });

@@ -68,10 +68,10 @@ pub(super) fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
 /// SI unit of a number in a field or variant with this name, inside a value with the unit `around`.
 /// The empty text means a number without dimension. `None` means that the name is unknown or not
 /// that of a number.
-pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
+pub(crate) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'static str> {
     Some(match name {
-        "position" | "size" | "tilt" | "radius" | "radii" | "limits" | "spacing" | "origin"
-        | "start" | "moved" | "end" | "min" | "max" | "about" | "centre" | "length" | "step"
+        "position" | "size" | "radius" | "radii" | "limits" | "spacing" | "origin" | "start"
+        | "moved" | "end" | "min" | "max" | "about" | "centre" | "length" | "step"
         | "thickness" | "ball" | "Height" | "x" | "y" => "m",
         "rotation" | "angle" => "rad",
         "Displacement" => around.unwrap_or("m"),
@@ -87,9 +87,8 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
         "rolling_stiffness" => "N m/rad",
         "force" | "Force" => "N",
         "moment" => "N m",
-        "theta" | "friction" | "rolling_friction" | "restitution" | "tolerance" | "residual"
-        | "turn" | "deviation" | "accuracy" | "remains" | "agitation" | "affine" | "Porosity"
-        | "StressDrop" => "",
+        "theta" | "friction" | "rolling_friction" | "restitution" | "residual" | "turn"
+        | "deviation" | "remains" | "agitation" | "affine" | "Porosity" | "StressDrop" => "",
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,
         _ => return None,
@@ -97,7 +96,7 @@ pub(in crate::scene) fn unit_of(name: &str, around: Option<&'static str>) -> Opt
 }
 
 /// Splits a number and the unit after it: `1.5 MPa`.
-pub(in crate::scene) fn split(literal: &str) -> Option<(f64, &str)> {
+pub(crate) fn split(literal: &str) -> Option<(f64, &str)> {
     let plain = |text: &str| text.replace('_', "").parse::<f64>().ok();
     if plain(literal).is_some() {
         return None;
@@ -110,12 +109,12 @@ pub(in crate::scene) fn split(literal: &str) -> Option<(f64, &str)> {
 }
 
 /// Whether a text is a unit.
-pub(in crate::scene) fn is_unit(text: &str) -> bool {
+pub(crate) fn is_unit(text: &str) -> bool {
     parse(text).is_some_and(|(_, powers)| powers != [0; 4])
 }
 
 /// The remedy for a number with a unit, if `wanted` is the unit of the field.
-pub(in crate::scene) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
+pub(crate) fn help(number: f64, unit: &str, wanted: Option<&str>) -> String {
     let unit = unit.replace('²', "2").replace('³', "3").replace("**", "").replace('^', "");
     let Some(wanted) = wanted else {
         // To leave another unit out would change the value. What a per cent or a g is of depends on

@@ -16,10 +16,10 @@ use super::values::{Values, a_number, help, stands};
 
 /// Maximum number of points that expressions stand for in a scene. A slip in `increments` must not
 /// fill the memory.
-pub(super) const MOST: f64 = 1e6;
+pub(crate) const MOST: f64 = 1e6;
 
 /// A table that is given by an expression, or by two in a displacement.
-pub(super) struct Course<'n, 't> {
+pub(crate) struct Course<'n, 't> {
     pub path: String,
     pub parts: Vec<Part<'n, 't>>,
     /// Unit of the values.
@@ -28,7 +28,7 @@ pub(super) struct Course<'n, 't> {
 }
 
 /// An expression of a table.
-pub(super) struct Part<'n, 't> {
+pub(crate) struct Part<'n, 't> {
     /// Its value in the tree.
     pub node: &'n Node<'t>,
     /// Its path.
@@ -48,7 +48,7 @@ struct Stage<'n, 't> {
 }
 
 /// Finds the tables that are given by expressions.
-pub(super) fn find<'n, 't>(root: &'n Node<'t>) -> Vec<Course<'n, 't>> {
+pub(crate) fn find<'n, 't>(root: &'n Node<'t>) -> Vec<Course<'n, 't>> {
     let mut courses = Vec::new();
     if let Some(stages) = root.field("stages") {
         see(stages, "stages", (root.field("analysis"), &[]), &mut courses);
@@ -217,7 +217,7 @@ impl<'t> Course<'_, 't> {
 }
 
 /// Findings about points, at the expressions that they come from: one for each table.
-pub(super) fn gather(mut placed: Vec<Placed>, tables: &[(String, f64)]) -> Vec<Placed> {
+pub(crate) fn gather(mut placed: Vec<Placed>, tables: &[(String, f64)]) -> Vec<Placed> {
     let mut seen = BTreeSet::new();
     placed.retain_mut(|Placed { finding, .. }| {
         let point = tables.iter().find_map(|(path, increments)| {

@@ -7,15 +7,15 @@ use std::path::Path;
 use serde::Deserialize;
 use serde::de::{self, DeserializeOwned};
 
+use super::VERSION;
+use super::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
+use super::edited::EditedText;
 use super::scan::scan;
 use super::spans::join;
 use super::tree::{Node, Shape};
 use super::tree_reader::Reader;
 use super::units::unit_of;
-use crate::scene::diagnostic::{Finding, MAX_SHOWN, Placed, SceneErrors};
-use crate::scene::edited::EditedText;
-use crate::scene::format::VERSION;
-use crate::scene::values;
+use super::values;
 
 /// With more mistakes than this the meaning of the text is not examined.
 const ENOUGH: usize = 1000;
@@ -37,7 +37,7 @@ pub(crate) fn read_sound<T: DeserializeOwned>(text: &str, file: &Path) -> Result
 
 /// Reads a tree, and records its mistakes. If it has any, the value is what was probably meant;
 /// `None` if nothing can be made of it.
-pub(in crate::scene) fn read<T: DeserializeOwned>(root: &Node) -> (Option<T>, Notes) {
+pub fn read<T: DeserializeOwned>(root: &Node) -> (Option<T>, Notes) {
     // A missing field stops serde. It is recorded and made up, and the text is read again.
     let mut missing: Vec<Placed> = Vec::new();
     let values = values::names(root);
@@ -73,7 +73,7 @@ pub(super) struct Context<'a> {
 
 /// What a reading has recorded.
 #[derive(Default)]
-pub(in crate::scene) struct Notes {
+pub(crate) struct Notes {
     pub placed: Vec<Placed>,
     /// Paths of values that were made up. Findings about them are not reported.
     pub made_up: Vec<String>,
@@ -124,7 +124,7 @@ impl Failure {
     }
 
     /// The finding of a missing field, if that is why.
-    pub fn missing_field(&self) -> Option<Placed> {
+    pub(crate) fn missing_field(&self) -> Option<Placed> {
         let (path, at) = self.place.as_ref()?;
         let field = self.field?;
         let path = join(path, field);

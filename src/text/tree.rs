@@ -52,12 +52,12 @@ impl<'t> Node<'t> {
     }
 
     /// A number in place of this value, and with its place.
-    pub fn as_number(&self, number: &str) -> Self {
+    pub(crate) fn as_number(&self, number: &str) -> Self {
         Self { number: Some(number.into()), ..self.as_group(Shape::Number, []) }
     }
 
     /// A list, a tuple or a made-up value in place of this one, and with its place.
-    pub fn as_group(&self, shape: Shape, values: impl IntoIterator<Item = Self>) -> Self {
+    pub(crate) fn as_group(&self, shape: Shape, values: impl IntoIterator<Item = Self>) -> Self {
         let entries = values.into_iter().map(|value| Entry { key: None, value }).collect();
         let Self { span, literal, .. } = self;
         Self { span: span.clone(), literal, number: None, name: None, shape, entries }

@@ -9,8 +9,8 @@ use serde::de::{self, DeserializeOwned, Visitor};
 use super::access::Variant;
 use super::read::{Context, Failure, NAME_OF_VERBATIM, found};
 use super::tree::{Entry, Node, Shape};
+use super::values;
 use super::{suggest, units};
-use crate::scene::values;
 
 /// See [`Shape::MadeUp`].
 static MADE_UP: Node<'static> = Node {

@@ -21,7 +21,7 @@ pub(crate) fn nearest<'a>(
 }
 
 /// A list of names for a message: `a`, `b`, `c`.
-pub(in crate::scene) fn list(names: &[&str]) -> String {
+pub(crate) fn list(names: &[&str]) -> String {
     let shown: Vec<_> = names.iter().take(MAX_NAMES).map(|name| format!("`{name}`")).collect();
     let more = if names.len() > MAX_NAMES { ", ..." } else { "" };
     format!("{}{more}", shown.join(", "))

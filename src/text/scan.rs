@@ -4,16 +4,16 @@
 //! It knows no types, and keeps the place of each value for messages. Small mistakes (a missing
 //! comma, `=` instead of `:`) are recorded, and the scan continues.
 
+use super::diagnostic::{Finding, Placed};
 use super::expression::{is_function, number_length};
 use super::tree::{Entry, Key, Node, Shape, Span};
 use super::units::is_unit;
-use crate::scene::diagnostic::{Finding, Placed};
 
 /// Maximum nesting. Deeper nesting is refused because recursion could overflow the stack.
 const DEEPEST: usize = 128;
 
 /// Scans a text. Returns all faults, and the value unless a fault prevents it.
-pub(in crate::scene) fn scan(text: &str) -> (Option<Node<'_>>, Vec<Placed>) {
+pub fn scan(text: &str) -> (Option<Node<'_>>, Vec<Placed>) {
     let mut scanner = Scanner { text, at: 0, depth: 0, faults: Vec::new() };
     let root = scanner.document();
     let mut faults = scanner.faults;
@@ -21,7 +21,7 @@ pub(in crate::scene) fn scan(text: &str) -> (Option<Node<'_>>, Vec<Placed>) {
     (root, faults)
 }
 
-pub(in crate::scene) fn unquote(literal: &str) -> Option<String> {
+pub(crate) fn unquote(literal: &str) -> Option<String> {
     ron::from_str(literal).ok()
 }
 
