@@ -82,7 +82,7 @@ impl Drive {
 
 /// The peak of the force of a run without a stress, as `run.json` holds it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub(crate) struct PeakForce {
+pub struct PeakForce {
     /// The probe on which the most work is done.
     pub probe: String,
     /// Direction of its motion.

@@ -8,7 +8,7 @@ const LONGEST: usize = 200;
 const KEPT: usize = 80;
 
 /// Text with control characters escaped and line breaks kept.
-pub(crate) fn escaped(text: &str) -> String {
+pub fn escaped(text: &str) -> String {
     escape(text, |c| c == '\n')
 }
 
