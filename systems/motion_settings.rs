@@ -17,8 +17,8 @@ pub struct MotionSettings {
     ///
     /// 150: five times [`travel_to_rest`](Self::travel_to_rest).
     pub max_travel: f64,
-    /// Maximum travel of one motion, radii: the sum over its steps. A motion beyond it does not
-    /// come to rest.
+    /// Maximum travel of one motion, radii: the sum over its steps, to which half a turn of the largest
+    /// rigid group is added. A motion beyond it does not come to rest.
     ///
     /// 30: a grain that has passed fifteen others; no study.
     pub travel_to_rest: f64,
