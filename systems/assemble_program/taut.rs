@@ -20,10 +20,14 @@ use super::Trial;
 use super::regularise::MIN_LOAD;
 use crate::solved::Solved;
 
-/// The force, N, above `least`, that pulls a grain back which moves along the tangent of a contact, and the
-/// length, m, on which it swings. `tension` is that of the last solution: the gap does not tell it, because
-/// a bond that has turned by 0.02 rad in a step with constant normals is as much longer as a thousand
-/// times the weight of its grain stretches it.
+/// Elongation over the length from which a contact is taut.
+const MIN_ELONGATION: f64 = 1e-9;
+
+/// The force, N, that pulls a grain back which moves along the tangent of a contact, and the length, m, on
+/// which it swings. `tension` is that of the last solution: the gap does not tell it, because a bond that
+/// has turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
+/// of its grain stretches it. Stiff contacts hold a load almost without elongation: a force above `least`
+/// counts in any case.
 fn pull(
     bodies: &BodyTable,
     contact: &Contact,
@@ -40,7 +44,8 @@ fn pull(
             Curve::Flat | Curve::Round(_) => return None,
         }
     };
-    (force > least && length > 0.0).then_some([force, length])
+    let is_taut = force > least || force * c.normal_compliance > MIN_ELONGATION * length;
+    (force > 0.0 && length > 0.0 && is_taut).then_some([force, length])
 }
 
 /// Appends the ties.
@@ -49,11 +54,10 @@ pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
         return;
     }
     let ConeProgram { interactions, last_forces, .. } = program;
-    let sizes = trial.history.0.sizes(trial.bodies.mean_radius).map(|(.., size)| size);
-    let least = MIN_LOAD * sizes.fold(0.0, f64::max);
     let (fraction, gravity) = (trial.progress.fraction, trial.analysis.gravity);
     let loads = (0..trial.bodies.particles).map(|i| trial.bodies.force_on(i, fraction, gravity));
     let loads: f64 = loads.map(DVec2::length).sum();
+    let least = if loads > 0.0 { MIN_LOAD * loads } else { f64::INFINITY };
     for (k, contact) in trial.contacts.0.iter().enumerate() {
         let c = interactions[k];
         let guess = trial.corrections.of((contact.a, contact.b));

@@ -16,8 +16,8 @@
 //! forces depend on the path as much as on the end, the next increment begins with what was out of
 //! balance, and the first condition alone decides.
 //!
-//! In statics, passes are for what guides a body over many increments: bonds, rigid groups and curved
-//! walls. The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
+//! In statics, passes are for what guides a body over many increments: elastic bonds, rigid ones from
+//! which something hangs, rigid groups and curved walls. The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
 //! come closer to those with passes. There the out-of-balance force is recorded. In time steps with
 //! theta < 1 passes also are for elastic contacts, since they keep the energy of an impact, and for rigid
 //! bonds, which gain energy where they turn with the normals of the start.
@@ -105,7 +105,9 @@ pub fn judge(
     // Without a pass the geometry is that of the start, where a specimen at rest still is. Its forces may
     // be round-off alone, of which an imbalance says nothing.
     let has_stayed = state.passes == 0 && tables.is_at_rest();
-    if !tables.is_guided() || state.capped || has_stayed {
+    // What hangs on rigid bonds alone.
+    let hangs = determined.is_finite() && program.has_bonds();
+    if !(tables.is_guided() || hangs) || state.capped || has_stayed {
         return;
     }
     let motion = Motion::of(solved, &counts, is_static);
@@ -245,7 +247,8 @@ impl Tables<'_> {
         let mut all = program.interactions.iter();
         all.any(|c| {
             let (is_bond, is_spring) = (c.limits.has_strength(), c.normal_compliance > 0.0);
-            if keeps_energy { is_bond || is_spring } else { is_bond && (is_spring || is_static) }
+            // A tie is a bond and a spring.
+            if keeps_energy { is_bond || is_spring } else { is_bond && is_spring }
         }) || !bodies.groups.is_empty()
             || bodies.walls.iter().any(guides)
     }

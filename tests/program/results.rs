@@ -129,8 +129,8 @@ fn the_first_increment_of_the_rigid_test_shows_its_mechanism() {
     }
 }
 
-/// A biaxial test without bonds whose solves under Coulomb's law end after so many factorisations,
-/// before they have converged.
+/// A biaxial test without bonds under Coulomb's law. With few factorisations a solve ends before it has
+/// converged, and the increment is capped.
 fn capped(factorisations: u32) -> TempDir {
     let sets = [
         "friction_law=Coulomb()",
@@ -182,6 +182,45 @@ fn a_run_with_capped_increments_says_so_loudly() {
     // A run without capped increments has no warning.
     let (done, _out) = run("tension", &["--quiet"]);
     assert!(!stdout(&done.code(0)).contains("apped"));
+}
+
+/// Five rigid disks on a rough bowl: Coulomb's law has no solution near their last state.
+#[test]
+fn the_command_line_names_capped_increments() {
+    let disk = |k: u32| {
+        let angle = 0.5785 + 0.1053 * f64::from(k);
+        format!("(position: ({:?}, {:?}), radius: 0.01),", 0.19 * angle.sin(), -0.19 * angle.cos())
+    };
+    let disks: String = (0..5).map(disk).collect();
+    let ends = "start: (-0.197, -0.034), end: (0.197, -0.034), shape: Arc(through: (0.0, -0.2))";
+    let text = format!(
+        "(version: 1, title: \"bowl\", gravity: (0.0, -9.81), friction_law: Coulomb(),
+          materials: {{ \"m\": (density: 2650.0, contact: (friction: 0.1)) }},
+          specimen: Particles([{disks}]),
+          walls: [(name: \"bowl\", {ends}, contact: (friction: 0.1))],
+          stages: [Load(name: \"load\", increments: 1), Load(name: \"idle\", increments: 3)],
+          output: (plots: false))"
+    );
+    let directory = TempDir::new().unwrap();
+    let scene = directory.path().join("bowl.ron");
+    fs::write(&scene, text).unwrap();
+    let (done, out) = run(scene.to_str().unwrap(), &["--quiet"]);
+    let said = stdout(&done.code(0));
+    let history = rows(out.path(), "history.csv");
+    let capped = |stage: &str| {
+        history.iter().filter(|row| row["stage"] == stage && row["status"] == "capped").count()
+    };
+    let of = ["load", "idle"].map(capped);
+    assert!(of[1] > 0, "{of:?}");
+    let all = of[0] + of[1];
+    assert!(
+        said.starts_with(&format!("completed in 4 increments, {all} of them capped\n")),
+        "{said}"
+    );
+    assert!(
+        said.contains("\nWARNING: ") && said.contains(" increments of stage idle are capped\n"),
+        "{said}"
+    );
 }
 
 #[test]

@@ -12,7 +12,7 @@ use clastic::cone::residuals::{natural_map, residuals};
 use clastic::cone::solver::ConeSolver;
 use glam::DVec2;
 
-use crate::common::programs::{KINDS, RESIDUAL, programs, solve};
+use crate::common::programs::{KINDS, programs, solve};
 use crate::common::random::Random;
 
 const FIXED: Dof = Dof::Fixed(0.0);
@@ -222,10 +222,6 @@ fn about_other_points(program: &ConeProgram, random: &mut Random) -> Option<Cone
     shift.iter().any(|d| *d != DVec2::ZERO).then_some(other)
 }
 
-/// Residual about other points over that of the same solution: a moment counts over the mean radius, and
-/// the arms are up to five times as long, at either body.
-const OF_ARMS: f64 = 10.0;
-
 /// Static specimens with other reference points have the forces of the specimens as they are, under
 /// the associated law and under Coulomb's, with both solvers.
 #[test]
@@ -241,9 +237,7 @@ fn forces_do_not_depend_on_the_reference_points() {
                     let solution = solve(&mut *solver, &other);
                     let both = [plain.status, solution.status];
                     if solution.status == SolveStatus::Stalled {
-                        let own = solution.residuals.worst();
-                        let worst = residuals(&other, &solution).worst().max(own);
-                        stalled[k] += usize::from(!(worst <= OF_ARMS * RESIDUAL));
+                        stalled[k] += 1;
                         continue;
                     }
                     assert_eq!(both[0], both[1], "{} {seed} {k}", kind.name);
@@ -265,7 +259,8 @@ fn forces_do_not_depend_on_the_reference_points() {
         "compared {compared:?}, stalled {stalled:?}; under Coulomb's law both, one, the other {slides_of:?}"
     );
     assert!(compared[0] > 100 && compared[1] > 100, "{compared:?}");
-    // Clarabel stalls on more of them.
+    // A moment counts over the mean radius, and these arms are up to five times as long: a residual
+    // just below the tolerance may be above it. Clarabel stalls on more of them.
     assert!(100 * stalled[0] <= compared[0] && 10 * stalled[1] <= compared[1], "{stalled:?}");
     // The search for a solution of Coulomb's law may stall, about either points.
     let [both, one, other] = slides_of;
