@@ -26,7 +26,8 @@ pub struct Bond {
     pub a: BodyId,
     /// Second body, a particle or a wall.
     pub b: BodyId,
-    /// Gap without normal force, `g_b0`, m: that at creation, plus `C_N p` of the contact's force p.
+    /// Gap at which the bond has no normal force, `g_b0`, m: the gap at creation, plus `C_N p` if
+    /// the contact carried a force p then.
     pub initial_gap: f64,
     /// Law of the bond.
     pub law: BondLaw,
@@ -91,8 +92,9 @@ impl RuptureMode {
     }
 }
 
-/// A bond has broken: the event of observers, of all bonds or of the entity of one. An increment that
-/// is undone triggers none. The message [`Rupture`] says the same to systems.
+/// Event: a bond has broken. It is triggered on the entity of the bond, for observers of that
+/// entity and of all bonds, but not in an increment that is undone. Systems read the message
+/// [`Rupture`] instead.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BondBroken {

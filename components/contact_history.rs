@@ -5,7 +5,7 @@ use crate::contact::BodyTable;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// The identities behind the rows of tables that persist between increments, and the new row of
+/// The body identity of each row of the tables that persist between increments, and the new row of
 /// each former row after bodies were added or removed. A system that owns such a table updates it
 /// in `IncrementSystems::Renumber`.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
@@ -118,7 +118,8 @@ impl ContactHistory {
         self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
     }
 
-    /// The pairs and the maximum of their normal force, shear force and moment over `length` (m), N.
+    /// Each pair with the largest of its normal force, its shear force and its moment divided by
+    /// `length` (m), N.
     pub fn sizes(&self, length: f64) -> impl Iterator<Item = (u32, u32, f64)> + Clone + '_ {
         self.0.iter().map(move |m| (m.a, m.b, m.p.abs().max(m.q.abs()).max(m.tau.abs() / length)))
     }

@@ -65,7 +65,7 @@ fn shown_stiffness(world: &World) -> f64 {
     program.scales.force / (min_travel(world.resource(), world.resource()) * bodies.mean_radius)
 }
 
-/// Travel of a grain, in its radii, below which a motion is none.
+/// Minimum travel of a motion, in radii of a grain: with less, the motion moves nothing.
 fn min_travel(acceptance: &Acceptance, settings: &MotionSettings) -> f64 {
     settings.min_travel * acceptance.turn
 }

@@ -13,7 +13,8 @@ const MEANS: &str = "study_means.csv";
 /// Lock of the two tables.
 const LOCK: &str = "study.lock";
 
-/// Writes the tables and the page, and prints how many runs can be trusted. Runs that failed are rows with marks.
+/// Writes the tables and the page, and prints how many runs can be trusted. A run that failed has a
+/// row with a mark.
 pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let Sweep { plan, folder, .. } = sweep;
     // Two sweeps in one folder may end at the same moment: one writes after the other.
