@@ -24,10 +24,10 @@ use crate::solved::Solved;
 const MIN_ELONGATION: f64 = 1e-9;
 
 /// The force, N, that pulls a grain back which moves along the tangent of a contact, and the length, m, on
-/// which it swings. `tension` is that of the last solution: the gap does not tell it, because a bond that
-/// has turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
-/// of its grain stretches it. Stiff contacts hold a load almost without elongation: a force above `least`
-/// counts in any case.
+/// which it swings. `tension` is that of the last solution: the gap does not give it, because a
+/// bond that has turned by 0.02 rad in a step with constant normals is as much longer as a thousand
+/// times the weight of its grain stretches it. Stiff contacts hold a load almost without
+/// elongation: a force above `least` counts in any case.
 fn pull(
     bodies: &BodyTable,
     contact: &Contact,

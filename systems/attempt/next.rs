@@ -16,7 +16,8 @@ pub struct Budget {
     pub searches: bool,
     /// Whether bonds may break at a part of the increment: one by one, or together.
     pub breaks: bool,
-    /// Whether a far turn is that of no jump: it has shrunk with the last halving, or none was tried.
+    /// Whether halving may cure a far turn: it has shrunk with the last halving, or none was tried.
+    /// The turn of a jump does not shrink.
     pub shrinks: bool,
     /// Whether a proved mechanism has been followed.
     pub is_proved: bool,
