@@ -186,9 +186,9 @@ mod tests {
         }
     }
 
-    /// The edges of the diagram in ARCHITECTURE.md, one line a mode.
+    /// The last column of the table in ARCHITECTURE.md, one line per mode.
     #[test]
-    fn the_diagram_has_every_transition() {
+    fn the_table_has_every_transition() {
         let word = |debug: String| debug.split('(').next().unwrap_or_default().to_owned();
         let found = std::cell::RefCell::new(std::collections::BTreeSet::new());
         every(|mode, _, _, next| {
