@@ -125,8 +125,7 @@ pub struct Attempt {
     pub turn: Option<f64>,
     /// That turn in the solution for which the increment was halved last.
     pub halved_turn: Option<f64>,
-    /// Whether a mechanism has proved that the trial has no equilibrium, and its motion is
-    /// followed.
+    /// Whether the motion of a mechanism that proves a collapse is followed.
     pub is_proved: bool,
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
@@ -135,7 +134,7 @@ pub struct Attempt {
     pub bearing: Vec<Bearing>,
     /// The solution with the smallest residual of all that did not converge.
     pub best: Option<Unconverged>,
-    /// Rows of the particles that found no rest in a motion that ends at rest without them.
+    /// Rows of the particles that have found no rest where the others of a motion have.
     pub left: Vec<usize>,
     /// The share of the specimen that a motion without rest has moved, in words.
     pub moved: Option<String>,

@@ -26,8 +26,7 @@ pub struct Bond {
     pub a: BodyId,
     /// Second body, a particle or a wall.
     pub b: BodyId,
-    /// Gap at which the bond has no normal force, `g_b0`, m: the gap at creation, plus `C_N p` if
-    /// the contact carried a force p then.
+    /// Gap without normal force, `g_b0`, m: the gap at creation, plus `C_N p` of a contact there.
     pub initial_gap: f64,
     /// Law of the bond.
     pub law: BondLaw,
@@ -92,9 +91,8 @@ impl RuptureMode {
     }
 }
 
-/// Event: a bond has broken. It is triggered on the entity of the bond, for observers of that
-/// entity and of all bonds, but not in an increment that is undone. Systems read the message
-/// [`Rupture`] instead.
+/// Event on the entity of a bond: it has broken. An increment that is undone triggers none. Systems
+/// read the message [`Rupture`] instead.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BondBroken {

@@ -19,8 +19,7 @@ pub struct Collision {
     pub force: f64,
 }
 
-/// Event: a body has met another one. It is triggered on the entities of both bodies of a
-/// [`Collision`], for observers of an entity and of all bodies.
+/// Event on the entities of both bodies of a [`Collision`]: a body has met another one.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BodyHit {

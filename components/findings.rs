@@ -132,8 +132,8 @@ pub struct Correction {
     pub lag: f64,
 }
 
-/// The geometry about a guess of the end of the increment in [passes](Self::passes), the repeated
-/// solutions with it, and how far from the end the last one is.
+/// The geometry about a guess of the end of the increment, for [passes](Self::passes), and how far
+/// from that end the last solution is.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Corrections {
@@ -172,8 +172,8 @@ pub struct Guesses {
 }
 
 impl Guesses {
-    /// Records the error of a pass. Returns whether passes still reduce the error: at most `max` in
-    /// a row have left more than the part `progress` of the smallest.
+    /// Records the error of a pass. Returns whether passes still reduce it: at most `max` in a row
+    /// have left more than the part `progress` of the smallest.
     pub fn makes_way(&mut self, error: f64, progress: f64, max: u32) -> bool {
         let best = self.best.unwrap_or(f64::INFINITY);
         self.stalled = if error < progress * best { 0 } else { self.stalled + 1 };
@@ -181,8 +181,7 @@ impl Guesses {
         self.stalled <= max
     }
 
-    /// Forgets the errors of the passes so far, because those that follow start from other
-    /// positions.
+    /// Forgets the errors so far, because the passes that follow start from other positions.
     pub fn begin_anew(&mut self) {
         (self.best, self.stalled) = (None, 0);
     }

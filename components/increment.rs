@@ -21,8 +21,7 @@ pub enum RollingLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Avalanche {
-    /// By equilibria at constant load: in each the most overloaded of the bonds above their limits
-    /// breaks.
+    /// By equilibria at constant load: in each, the most overloaded bond above its limit breaks.
     #[default]
     MostOverloaded,
     /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which
@@ -58,8 +57,7 @@ pub struct RuptureRules {
     #[serde(skip)]
     pub tolerance: f64,
     /// With `Events`: density of ruptures (share of the bonds per relative change of force) from
-    /// which many bonds break together at the end of an increment. Densities are at most 20, so
-    /// that above 20 they never do.
+    /// which many bonds break together at the end of an increment. Above 20, the maximum, never.
     pub density: f64,
     /// With `Events`: maximum force that ruptures release, as a multiple of the mean contact force,
     /// at which many bonds break together at the end of an increment. 0: only `density` decides.

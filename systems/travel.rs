@@ -4,9 +4,9 @@
 //!
 //! - The normal of a bond, or of a contact that carries load, turns on the way. The grain's motion along
 //!   the contact, over its radius, measures it.
-//! - A grain passes through others, whose contacts the program does not have. Its displacement over its
-//!   radius measures it, with the factor `DISPLACEMENT_FACTOR` if it carries load. Bodies move with what drives them:
-//!   the maximum imposed motion is subtracted first.
+//! - A grain passes through others, whose contacts the program does not have. Its displacement over
+//!   its radius measures it, times `DISPLACEMENT_FACTOR` if it carries load. Bodies move with
+//!   what drives them, so that the maximum imposed motion is subtracted first.
 //!
 //! The travel of a grain is the larger of the two, in radii.
 

@@ -1,11 +1,10 @@
 //! How far a solution turns contacts: the measure of whether its constant normals are valid.
 //!
-//! A program holds normals constant: those of the start of the increment, or in a
-//! [pass](crate::ending) those of the end that was guessed. An error arises where the normal of a
-//! bond, or of a contact that carries load, turns away from them. Only the relative motion of two
-//! neighbours turns it, so that the size and shape of a specimen that moves, bends or strains as a
-//! whole do not count. With x the vector between the two centres and t the tangent of their contact
-//! in the program, it turns by
+//! A program holds normals constant: those of the start, or in a [pass](crate::ending) those of the
+//! guessed end. An error arises where the normal of a bond, or of a contact that carries load,
+//! turns away from them. Only the relative motion of neighbours turns it: size and shape of a
+//! specimen that moves, bends or strains as a whole do not count. With x the vector between the two
+//! centres and t the tangent of their contact in the program, it turns by
 //!
 //! ```text
 //! |t . (x + u_b - u_a)| / |x|                          rad
@@ -39,14 +38,13 @@ fn size(f: &[f64; 3]) -> f64 {
 }
 
 /// Turn, rad, beyond which a solution moves grains without support. It is never accepted, and its
-/// grains would cross thousands of others, whose pairs are not worth adding.
+/// grains would cross thousands of others.
 const UNSUPPORTED: f64 = 5.0;
 
 /// The grain with the maximum turn, and this turn, rad: in the increment, or with `is_followed` from
 /// the normals of the program.
 pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
-    // A rigid bond keeps the slip along the normal of the start, so that its turn counts from
-    // there.
+    // The slip of a rigid bond is along the normal of the start, from which its turn counts.
     let has_no_memory = |c: &Interaction| c.tangential_compliance > 0.0 || !c.limits.has_shear();
     let normal = |k: usize| match &solved.program.interactions[k] {
         c if is_followed && has_no_memory(c) => c.normal,

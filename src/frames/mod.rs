@@ -154,8 +154,7 @@ pub struct FrameMembranes {
     pub first_point: Vec<u32>,
     /// Identity of the grain or wall of each point.
     pub body: Vec<u32>,
-    /// Centres of the grains, and at the ends of an open chain the feet of the perpendiculars from
-    /// the end grains to the walls, m.
+    /// Centres of the grains, and feet of the perpendiculars from end grains to the walls, m.
     pub point_m: Vec<[f64; 2]>,
 }
 

@@ -62,7 +62,7 @@ pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
         let c = interactions[k];
         let guess = trial.corrections.of((contact.a, contact.b));
         let tension = guess.map_or(-last_forces[k][0], |guess| guess.tension);
-        // Rigid bonds in loops may carry any force: at most the sum of the loads is the effect of a load.
+        // Rigid bonds in loops may carry any force, of which at most the sum of the loads is real.
         let is_rigid = c.normal_compliance == 0.0;
         let tension = if is_rigid { tension.clamp(-loads, loads) } else { tension };
         if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension, least) {

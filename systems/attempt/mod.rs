@@ -2,9 +2,9 @@
 //!
 //! Judges run in the order in which [`AttemptPlugin`] adds them, each only if no judge before it
 //! has objected; a step of a motion passes only some of them. [`bonds::collect`] then lets the
-//! bonds on a limit break, unless a judge has chosen which break. What judges find stays in the
-//! tables of [`findings`](clastic_components::findings) until the increment is committed. Only
-//! judges set a verdict, and [`mod@next`] alone maps it to the next action.
+//! bonds on a limit break, unless a judge has chosen which break.
+//! [`findings`](clastic_components::findings) keep what judges find until the increment is
+//! committed. Only judges set a verdict, and [`mod@next`] alone maps it to the next action.
 //!
 //! Attempts work on the tables that were gathered when the increment began. Entities are written
 //! only when an attempt is committed, so a failed one changes nothing.
@@ -117,8 +117,8 @@ fn impossible(attempt: Res<Attempt>) -> bool {
     attempt.verdict == Verdict::Impossible && attempt.motion().is_none()
 }
 
-/// Run condition: the regularisation leaves no error in the solution. `converged` lets one with
-/// such an error pass where it throws a grain, for `too_far` to reject.
+/// Run condition: regularisation leaves no error in the solution. `converged` accepts one with such
+/// an error where it throws a grain, which `too_far` rejects.
 fn unbiased(solution: Res<ConeSolution>) -> bool {
     solution.status == SolveStatus::Solved
 }

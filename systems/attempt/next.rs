@@ -16,8 +16,7 @@ pub struct Budget {
     pub searches: bool,
     /// Whether bonds may break at a part of the increment: one by one, or together.
     pub breaks: bool,
-    /// Whether halving may cure a far turn: it has shrunk with the last halving, or none was tried.
-    /// The turn of a jump does not shrink.
+    /// Whether halving may cure a far turn: the last one has reduced it, or none was tried.
     pub shrinks: bool,
     /// Whether a proved mechanism has been followed.
     pub is_proved: bool,

@@ -1,6 +1,5 @@
 //! Components that a body needs and a program has removed, and components that have no effect on
-//! it. Without the former the body would leave the tables without a message; the latter would be
-//! ignored.
+//! it. Without a message the body would leave the tables, or the component would be ignored.
 
 use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;

@@ -69,8 +69,7 @@ pub(crate) fn check_values(
         })
     };
     let of_particle = |i| Some(bodies::particle(&bodies, i, list.len())?.in_words(body(i)));
-    // The one with the smallest identity: which one a query finds first depends on the history of
-    // the world.
+    // The smallest identity: what a query finds first depends on the history of the world.
     let of_thickness = || {
         let bad = particles
             .iter()

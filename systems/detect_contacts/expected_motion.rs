@@ -60,9 +60,8 @@ impl ExpectedMotion {
     }
 }
 
-/// The expected motion is the imposed motion, if there is one; otherwise free flight in dynamics,
-/// and in statics the motion of the last increment. Every pair is kept up to a gap of `minimum`
-/// (m).
+/// The expected motion is the imposed motion, if any; otherwise free flight in dynamics, or the
+/// motion of the last increment. Every pair is kept up to a gap of `minimum` (m).
 pub(crate) fn expected_motion(
     bodies: &BodyTable,
     analysis: &ClasticAnalysis,

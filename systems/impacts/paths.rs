@@ -1,7 +1,7 @@
 //! Paths of particles within a dynamic increment with restitution.
 //!
-//! The program finds the velocity v of each body at the end of the increment, and moves the body by
-//! `v dt`. Particles without a sustained contact allow a better path:
+//! The program finds the velocities v at the end of the increment, and moves bodies by `v dt`.
+//! Particles without a sustained contact allow a better path:
 //!
 //! | particle | displacement in the increment |
 //! |---|---|
@@ -53,9 +53,8 @@ pub struct Paths<'w> {
 }
 
 impl Paths<'_> {
-    /// Displacements (m, m, rad) by body, in the axes of the body: those that separate rigid
-    /// overlaps if there are any, else those of the paths, and without restitution those of the
-    /// solution.
+    /// Displacements (m, m, rad) by body in its axes: those that separate rigid overlaps, if any;
+    /// otherwise those of the paths, without restitution those of the solution.
     pub fn motion<'a>(&'a self, solved: Solved<'a>) -> Cow<'a, [[f64; 3]]> {
         if let Some(pushed) = &self.pushed.0 {
             return pushed.into();
@@ -120,8 +119,7 @@ impl Step<'_> {
         u
     }
 
-    /// Moves the rigid groups by the first or the last row of the table: without or with contact
-    /// forces.
+    /// Moves the rigid groups, by the first row of the table or, with contact forces, the last.
     fn move_groups(&self, out: &mut [[f64; 3]]) {
         let Solved { bodies, program, solution, .. } = self.solved;
         if bodies.groups.is_empty() {

@@ -24,8 +24,7 @@ use crate::solved::{Solved, SolvedTables};
 /// Gain of energy of a cluster, over the energy that it exchanges, which does not count: the
 /// tolerance of the solver leaves as much.
 const NO_GAIN: f64 = 1e-6;
-/// Factor of the restitution down to which it is halved: a cluster that still gains energy then has
-/// none.
+/// Minimum factor of a restitution: a cluster that still gains energy with it has none next.
 const LEAST: f64 = 0.5;
 
 /// Adds what the impacts have caused, and requests another solution.

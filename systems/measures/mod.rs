@@ -69,8 +69,8 @@ impl StateOf for NamedState {
 
 /// Elastic energy of the contacts and bonds at the end of an increment,
 /// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The program has the forces at the point theta of
-/// the increment, and compliances and offsets divided by theta. `bodies` are at the end of the
-/// increment; the other tables are those with which it was solved.
+/// the increment, and compliances and offsets over theta. `bodies` are at its end, other tables
+/// those of the solve.
 pub(crate) fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> f64 {
     let Solved { bodies, contacts, program, solution } = solved;
     let end = Moved::not(bodies);
@@ -91,8 +91,7 @@ pub(crate) fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f
 }
 
 /// Elastic energy that a static increment leaves to the next one, J. Normal forces are those of the
-/// gaps: where associated friction has opened a gap, the force that this adds ends with the
-/// increment.
+/// gaps: what the opening by associated friction adds ends with the increment.
 pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let force = |_: usize, c: &Interaction| {
         let closing = program.kinematics(c, &solution.displacements)[0];
@@ -101,8 +100,8 @@ pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f6
     stored(program, solution, 1.0, Some(force))
 }
 
-/// Elastic energy of the forces at the end of the increment, J. `at_end` computes the normal forces
-/// of elastic interactions from their gaps there; without it they are those of the solution.
+/// Elastic energy at the end of the increment, J. `at_end` gives the normal forces of elastic
+/// interactions from their gaps there; without it they are those of the solution.
 fn stored(
     program: &ConeProgram,
     solution: &ConeSolution,

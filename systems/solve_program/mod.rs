@@ -36,7 +36,7 @@ pub struct SolveProgramPlugin;
 
 impl Plugin for SolveProgramPlugin {
     fn build(&self, app: &mut App) {
-        // The warm start is state. The solver itself is not, because the settings determine it.
+        // The warm start is state; the solver itself follows from the settings.
         app.register_part(
             SOLVER_MEMORY,
             |world| world.get_resource::<Solver>().map(|solver| solver.0.memory().to_vec()),

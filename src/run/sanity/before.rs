@@ -173,10 +173,9 @@ struct Packed {
 }
 
 impl Packed {
-    /// A random packing fills the grid from which it is drawn. A compaction brings the packing to
-    /// the height, or the porosity, of its target; without a compaction the height is not known,
-    /// and the width stands for it. A packing that is cut out of a cell is as large as the part
-    /// that is left.
+    /// A random packing fills the grid from which it is drawn. A compaction brings it to the
+    /// height, or the porosity, of its target; without one the height is not known, and the width
+    /// decides. A packing that is cut out of a cell is as large as the part that is left.
     fn of(scene: &Scene, seeds: &[Particle], disks: &Disks) -> Option<Self> {
         let Disks { area, largest, .. } = *disks;
         let side = |of: fn(&Particle) -> f64| {
