@@ -67,9 +67,9 @@ pub struct ClasticAnalysis {
     pub strength: f64,
     /// Out-of-plane thickness h, m.
     pub thickness: f64,
-    /// Theta of the path of particles, where contacts have restitution: then the theta of
-    /// [`kind`](Self::kind), which is that of velocities and forces, is 1. None: particles move by
-    /// the displacements of the program.
+    /// Theta of the path of particles where contacts have restitution; velocities and forces then
+    /// have theta = 1 in [`kind`](Self::kind). `None`: particles move by the displacements of the
+    /// program.
     pub path_theta: Option<f64>,
 }
 

@@ -123,18 +123,18 @@ pub struct Attempt {
     pub is_driven: bool,
     /// Maximum turn, rad, in the last solution, if it is too far and that of a bonded grain.
     pub turn: Option<f64>,
-    /// The same in the one for which the increment was halved last.
+    /// That turn in the solution for which the increment was halved last.
     pub halved_turn: Option<f64>,
-    /// Whether a mechanism that proves that the trial has no equilibrium is followed.
+    /// Whether the motion of a mechanism that proves a collapse is followed.
     pub is_proved: bool,
     /// Maximum displacement (m) and force (N) of the last rejected solution, which are the scales
     /// of the next attempt.
     pub magnitudes: Option<(f64, f64)>,
-    /// What keeps bodies from being thrown: their load in rejected solutions.
+    /// Whether each body that a rejected solution threw carried load, for restraints.
     pub bearing: Vec<Bearing>,
     /// The solution with the smallest residual of all that did not converge.
     pub best: Option<Unconverged>,
-    /// Rows of the particles that the motion has brought nowhere to rest, where it ends without them.
+    /// Rows of the particles that have found no rest where the others of a motion have.
     pub left: Vec<usize>,
     /// The share of the specimen that a motion without rest has moved, in words.
     pub moved: Option<String>,

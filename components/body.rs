@@ -153,7 +153,7 @@ impl LoadControl {
 pub struct BodyExternalForce(pub [f64; 3]);
 
 impl BodyExternalForce {
-    /// The force of a state that was computed before.
+    /// The force as a stored state has it.
     pub fn of_state(force: [f64; 3]) -> Self {
         Self(force)
     }

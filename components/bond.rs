@@ -26,7 +26,7 @@ pub struct Bond {
     pub a: BodyId,
     /// Second body, a particle or a wall.
     pub b: BodyId,
-    /// Gap without normal force, `g_b0`, m: that at creation, plus `C_N p` of the contact's force p.
+    /// Gap without normal force, `g_b0`, m: the gap at creation, plus `C_N p` of a contact there.
     pub initial_gap: f64,
     /// Law of the bond.
     pub law: BondLaw,
@@ -91,8 +91,8 @@ impl RuptureMode {
     }
 }
 
-/// A bond has broken: the event of observers, of all bonds or of the entity of one. An increment that
-/// is undone triggers none. The message [`Rupture`] says the same to systems.
+/// Event on the entity of a bond: it has broken. An increment that is undone triggers none. Systems
+/// read the message [`Rupture`] instead.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BondBroken {

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 pub struct PeriodicCell {
     /// Length of the vector along x, m.
     pub width: f64,
-    /// Distance of the rows of images, along y, m.
+    /// Distance between rows of images, along y, m.
     pub height: f64,
     /// Component along x of the second vector, m.
     pub tilt: f64,
@@ -36,8 +36,9 @@ pub struct PeriodicCell {
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum CellControl {
     /// Change of the width, change of the height, or displacement along x of the top relative to
-    /// the bottom, in every increment, m. For the mean or the difference: that of the strains,
-    /// times the length of the cell, positive where it lengthens.
+    /// the bottom, in every increment, m. With [`by_mean`](PeriodicCell::by_mean): change of the
+    /// mean or of the difference yy - xx of the strains, lengthening positive, times
+    /// [`PeriodicCell::length`].
     Imposed(f64),
     /// Average stress, Pa, linear over the stage: sigma_xx, sigma_yy (compression positive), their
     /// mean or difference, or the traction along x on a face whose outward normal is y.
@@ -91,8 +92,7 @@ impl PeriodicCell {
         if self.by_mean { DVec2::splat(0.5_f64.sqrt()) } else { DVec2::X }
     }
 
-    /// Displacements of that body for changes of the width and the height and a displacement of the
-    /// top, m; the factors of its loads.
+    /// Displacement of that body along each of its axes per imposed motion of a [`CellControl`].
     pub fn factors(&self, arm: f64) -> [f64; 3] {
         let length = self.length();
         let shear = length / (self.height * arm);
@@ -156,7 +156,7 @@ pub fn shift([width, height, tilt]: [f64; 3], apart: DVec2) -> DVec2 {
     let rows = (apart.y / height).round();
     let x = apart.x - rows * tilt;
     let columns = (x / width).round();
-    // Without a shift, exactly none.
+    // An image that is not shifted has a shift of exactly 0, without round-off.
     if rows == 0.0 && columns == 0.0 {
         return DVec2::ZERO;
     }

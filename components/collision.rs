@@ -19,8 +19,7 @@ pub struct Collision {
     pub force: f64,
 }
 
-/// A body has met another one: the event of observers, of all bodies or of the entity of one. Both
-/// bodies of a [`Collision`] get it.
+/// Event on the entities of both bodies of a [`Collision`]: a body has met another one.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BodyHit {

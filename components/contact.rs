@@ -85,8 +85,7 @@ impl BodyTable {
         }
     }
 
-    /// Shift of the image of particle b with which particle a may have a contact, m; zero without a
-    /// cell.
+    /// Shift of that image of particle b which particle a may touch, m; zero without a cell.
     pub fn shift(&self, a: usize, b: usize) -> DVec2 {
         let apart = || self.positions[b] - self.positions[a];
         self.cell.as_ref().map_or(DVec2::ZERO, |cell| cell.shift(apart()))
@@ -174,7 +173,7 @@ impl BodyTable {
         self.in_trial(group.drives[k])
     }
 
-    /// Maximum displacement of a point of a rigid group that its drives impose on it in a whole
+    /// Maximum displacement that the drives of a rigid group impose on one of its points in a whole
     /// increment, m.
     pub fn imposed_motion(&self, group: &GroupRow) -> f64 {
         let [x, y, turn] =
@@ -213,8 +212,8 @@ impl BodyTable {
         DVec2::new(x, y)
     }
 
-    /// Maximum displacement of a drawn point of a wall that a drive imposes on it in a whole
-    /// increment, m.
+    /// Maximum displacement that a drive imposes on a drawn point of a wall in a whole increment,
+    /// m.
     pub fn wall_travel(&self, wall: &WallRow, drive: WallDrive) -> f64 {
         match drive {
             WallDrive::Turning { about, angle } => {
@@ -225,7 +224,7 @@ impl BodyTable {
         }
     }
 
-    /// Takes these bonds out of the intact ones.
+    /// Moves these bonds from `bonds` to `broken`.
     pub fn break_bonds(&mut self, broken: &[BondId]) {
         self.broken.extend(self.bonds.extract_if(.., |bond| broken.contains(&bond.id)));
     }
@@ -235,8 +234,8 @@ impl BodyTable {
         self.loads[i].iter().any(|load| load.from != 0.0 || load.to != 0.0)
     }
 
-    /// Weight of a particle in a static increment under the acceleration `gravity` (m/s^2), N: none of
-    /// one that is set aside, unless it has become part of a rigid group.
+    /// Weight of a particle in a static increment under the acceleration `gravity` (m/s^2), N. It
+    /// is 0 for a particle that is set aside, unless that has become part of a rigid group.
     pub fn static_weight(&self, i: usize, gravity: DVec2) -> DVec2 {
         if self.set_aside[i] && self.group(i).is_none() {
             DVec2::ZERO

@@ -5,9 +5,9 @@ use crate::contact::BodyTable;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-/// The identities behind the rows of tables that persist between increments, and the new row of
-/// each former row after bodies were added or removed. A system that owns such a table updates it
-/// in `IncrementSystems::Renumber`.
+/// The identity of each row of the tables that persist between increments, and the new row of each
+/// former one after bodies were added or removed. A system that owns such a table updates it in
+/// `IncrementSystems::Renumber`.
 #[derive(Resource, Clone, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct KeptRows {
@@ -118,7 +118,7 @@ impl ContactHistory {
         self.0.binary_search_by_key(&(a, b), |m| (m.a, m.b)).ok().map(|k| &self.0[k])
     }
 
-    /// The pairs and the maximum of their normal force, shear force and moment over `length` (m), N.
+    /// Each pair with the largest of normal force, shear force and moment / `length` (m), N.
     pub fn sizes(&self, length: f64) -> impl Iterator<Item = (u32, u32, f64)> + Clone + '_ {
         self.0.iter().map(move |m| (m.a, m.b, m.p.abs().max(m.q.abs()).max(m.tau.abs() / length)))
     }

@@ -44,8 +44,8 @@ pub struct Energies {
     /// Kinetic energy that static analysis removes: that of followed motions, and that of the jump
     /// to equilibrium after a rupture or a sudden load.
     pub motion: f64,
-    /// Work of contact forces because normals turn, while each increment holds them constant. It
-    /// tends to zero with the size of the increment.
+    /// Work that contact forces seem to do because an increment holds normals constant that turn.
+    /// It tends to zero with the size of the increment.
     pub turning: f64,
     /// Energy dissipated by the time integration: damping with theta > 1/2, contacts that open,
     /// close or begin to slide within an increment, and cementing.

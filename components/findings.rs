@@ -132,7 +132,8 @@ pub struct Correction {
     pub lag: f64,
 }
 
-/// The geometry about the end of the increment, and how far from it the last solution is.
+/// The geometry about a guess of the end of the increment, for [passes](Self::passes), and how far
+/// from that end the last solution is.
 #[derive(Resource, Clone, Debug, Default)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Resource))]
 pub struct Corrections {
@@ -142,8 +143,8 @@ pub struct Corrections {
     pub passes: u32,
     /// Maximum out-of-balance force where the increment ends, over the maximum force.
     pub imbalance: f64,
-    /// What solving the increment again about its own end would move, over its own motion. `None`
-    /// where contacts slide.
+    /// Motion that solving the increment again about its own end would add, over the motion of the
+    /// increment. `None` where contacts slide.
     pub idle_motion: Option<f64>,
     /// Whether the increment needs passes: with the geometry of its start it ends elsewhere, or loses
     /// or gains energy.
@@ -171,7 +172,7 @@ pub struct Guesses {
 }
 
 impl Guesses {
-    /// Takes over the error of a pass; whether passes still reduce it: no more than `max` in a row
+    /// Records the error of a pass. Returns whether passes still reduce it: at most `max` in a row
     /// have left more than the part `progress` of the smallest.
     pub fn makes_way(&mut self, error: f64, progress: f64, max: u32) -> bool {
         let best = self.best.unwrap_or(f64::INFINITY);
@@ -180,7 +181,7 @@ impl Guesses {
         self.stalled <= max
     }
 
-    /// Forgets the errors of the passes so far: those that follow are about another place.
+    /// Forgets the errors so far, because the passes that follow start from other positions.
     pub fn begin_anew(&mut self) {
         (self.best, self.stalled) = (None, 0);
     }
@@ -235,7 +236,7 @@ pub struct Impacts {
     pub hit: Vec<usize>,
     /// Weight of the end velocity in the displacement of bodies that carry contact forces. It is
     /// `1/(1 + e)`, with e the minimum of the contacts in question, if a body is hit that touches
-    /// others, else 1.
+    /// others, otherwise 1.
     pub end_share: f64,
 }
 

@@ -21,7 +21,7 @@ pub enum RollingLimit {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum Avalanche {
-    /// By equilibria: of the bonds above their limits in one of them, the most overloaded breaks.
+    /// By equilibria at constant load: in each, the most overloaded bond above its limit breaks.
     #[default]
     MostOverloaded,
     /// By a motion with inertia and kinetic damping ([`Motion`](crate::motion::Motion)), in which
@@ -57,7 +57,7 @@ pub struct RuptureRules {
     #[serde(skip)]
     pub tolerance: f64,
     /// With `Events`: density of ruptures (share of the bonds per relative change of force) from
-    /// which many bonds break together at the end of an increment. Above 20: never.
+    /// which many bonds break together at the end of an increment. Above 20, the maximum, never.
     pub density: f64,
     /// With `Events`: maximum force that ruptures release, as a multiple of the mean contact force,
     /// at which many bonds break together at the end of an increment. 0: only `density` decides.
@@ -105,7 +105,7 @@ pub struct Acceptance {
     /// bonds the default solver aims at it if it is above 1e-8.
     pub residual: f64,
     /// Maximum angle by which one static solution turns a bond or a contact that carries load, rad.
-    /// A solution that turns one further is followed as a motion, since its normals are constant.
+    /// Beyond it constant normals are wrong, and the motion is followed.
     pub turn: f64,
     /// Travel of the furthest grain that a step of a followed motion aims at,
     /// in its radii; at most half of [`MAX_TRAVEL`](Self::MAX_TRAVEL).

@@ -19,7 +19,7 @@ pub enum LinkKind {
 /// A link between a point of one body and a point of another. It acts in tension and in pressure,
 /// never breaks, and is measured where an increment begins, so that errors do not add up.
 ///
-/// With d the way from the first point to the second and C the compliance, the bodies pull each
+/// With d the vector from the first point to the second and C the compliance, the bodies pull each
 /// other with the force
 ///
 /// ```text

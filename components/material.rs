@@ -26,8 +26,8 @@ pub struct ContactLaw {
 }
 
 impl ContactLaw {
-    /// Law between two different materials if the scene names none: the mean compliances, the
-    /// smaller friction and the smaller restitution.
+    /// Contact law between two different materials if the scene gives none: the mean compliances,
+    /// the smaller friction and the smaller restitution.
     pub fn between(self, other: Self) -> Self {
         Self {
             normal_compliance: 0.5 * (self.normal_compliance + other.normal_compliance),
@@ -82,7 +82,7 @@ impl BondLaw {
         }
     }
 
-    /// The law with the compliances of a contact where it has none.
+    /// This law, with the compliances of the contact where the bond names none.
     pub fn on(self, contact: &ContactLaw) -> Self {
         let or = |own: f64, of_contact: f64| if own > 0.0 { own } else { of_contact };
         Self {

@@ -12,8 +12,8 @@ use crate::observation::{MeasureArea, StrainComponent, StrainMeasure, StressMeas
 
 /// What a measure reads. Strain and stress have the signs of [`crate::observation`].
 ///
-/// `W` stands for a wall or a membrane, `P` for a particle, `G` for a group of them: their entities
-/// and identities in a world, their names, indices and selections in a scene.
+/// `W` refers to a wall or a membrane, `P` to a particle, `G` to a group of particles: in a world
+/// by entities and identities, in a scene by name, index and selection.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
@@ -27,8 +27,8 @@ pub enum Quantity<W = Entity, P = Entity, G = Vec<BodyId>> {
     /// Mean number of contacts and bonds with force per particle. A contact of two particles counts
     /// for each of them, a contact with a wall once.
     Coordination {
-        /// Whether particles with less than two such contacts count. Without them it is the
-        /// mechanical coordination number (2 N_c - N_1) / (N - N_0 - N_1) of Thornton (2000,
+        /// Whether particles with fewer than two such contacts count. Without them the measure is
+        /// the mechanical coordination number (2 N_c - N_1) / (N - N_0 - N_1) of Thornton (2000,
         /// Geotechnique 50, 43-53).
         #[serde(default = "yes")]
         rattlers: bool,
@@ -37,7 +37,7 @@ pub enum Quantity<W = Entity, P = Entity, G = Vec<BodyId>> {
     Broken(Modes),
     /// Their share of all bonds.
     BrokenShare(Modes),
-    /// The record's volumetric strain, from axial and lateral strain.
+    /// Volumetric strain, from axial and lateral strain, as the history records it.
     VolumetricStrain,
     /// Angle of dilation psi, rad: `sin psi = -(d e_a + d e_l) / |d e_a - d e_l|` with the
     /// logarithmic increments of axial and lateral strain, contraction positive (Bolton 1986,
@@ -101,9 +101,9 @@ pub enum Quantity<W = Entity, P = Entity, G = Vec<BodyId>> {
     Grains {
         /// How they are counted.
         amount: GrainAmount,
-        /// Lower left corner, m; without it the rectangle has no end there.
+        /// Lower left corner, m; without it the rectangle is unbounded to the left and below.
         min: Option<(f64, f64)>,
-        /// Upper right corner, m.
+        /// Upper right corner, m; without it the rectangle is unbounded to the right and above.
         max: Option<(f64, f64)>,
         /// Minimum displacement since the start of the reference stage, m; 0 counts all.
         #[serde(default)]

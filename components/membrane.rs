@@ -82,9 +82,9 @@ pub struct MembraneShape {
 }
 
 impl MembraneShape {
-    /// Area that the chains enclose, together with the two walls if they are open, m^2. It runs
-    /// through the centres of the grains, on which the pressure acts: its work is that of the
-    /// pressure on the change of this area. `None` if only one side is covered.
+    /// Area that the chains enclose, together with the two walls if they are open, m^2. The chains
+    /// run through the centres of the grains, where the pressure acts, so that its work is the
+    /// pressure times the change of this area. `None` if only one side is covered.
     pub fn area(&self) -> Option<f64> {
         self.area_within(self.chains.iter().flat_map(|chain| &chain.points).copied().collect())
     }
@@ -139,8 +139,8 @@ impl MembraneShape {
         (*grain - *foot).try_normalize().map(DVec2::perp)
     }
 
-    /// Whether a particle, with its identity and its centre, belongs to the specimen within the
-    /// chains: it is one of theirs, or its centre lies between them.
+    /// Test whether a particle, given its identity and its centre, belongs to the specimen: it is a
+    /// grain of the chains, or its centre lies within them.
     pub fn holds(&self) -> impl Fn(BodyId, DVec2) -> bool + use<> {
         let grains = self.ids();
         let points: Vec<DVec2> =
@@ -215,9 +215,9 @@ impl Chain {
         }
     }
 
-    /// The outer points: of each grain the point of its surface that the resultant of the pressure
-    /// on it meets, a radius from the centre against the direction of that force; and of a wall the
-    /// foot of the perpendicular from the next one. A grain on which no force acts has its centre.
+    /// The outer points. The resultant of the pressure on a grain meets its surface a radius from
+    /// the centre: there is the outer point of the grain, or at its centre if no force acts on it.
+    /// That of a wall is the foot of the perpendicular from the outer point beside it.
     pub fn outer_points(&self) -> Vec<DVec2> {
         let mut ways = vec![DVec2::ZERO; self.points.len()];
         for (a, b) in self.links() {

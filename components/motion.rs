@@ -22,8 +22,8 @@ pub struct Motion {
     pub length: f64,
     /// Weight W of the step, without dimension. A small weight is a long step.
     pub weight: f64,
-    /// Stiffness k_0, N/m, of a motion where equilibrium was lost: the force scale of the increment over
-    /// the travel below which a motion is none. After a rupture it is the mean stiffness of the bonds.
+    /// Stiffness k_0, N/m, of a motion where equilibrium was lost: the force scale of the increment
+    /// over the minimum travel of a motion. After a rupture it is the mean stiffness of the bonds.
     pub stiffness: f64,
     /// Relative masses by body: of the translations (1), and of the rotation (m^2).
     pub masses: Vec<[f64; 2]>,

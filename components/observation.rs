@@ -227,8 +227,8 @@ pub struct Observation {
     pub residuals: Residuals,
     /// Maximum out-of-balance force where the increment ends, over the maximum force.
     pub imbalance: f64,
-    /// What solving a static increment again about its own end would move, over its own motion.
-    /// `None` where contacts slide.
+    /// Motion that solving a static increment again about its own end would add, over the motion of
+    /// the increment. `None` where contacts slide.
     pub idle_motion: Option<f64>,
     /// Whether the state lies within an avalanche: bonds are above their limits, so it is no
     /// equilibrium.

@@ -31,9 +31,9 @@ pub struct Particle {
     pub mass: f64,
     /// Mass moment of inertia, kg m^2: m r^2 / 2.
     pub inertia: f64,
-    /// Thickness h, m, of which the mass is, if it is known. Another one than that of
-    /// [`ClasticAnalysis`](crate::increment::ClasticAnalysis), with which forces and stresses go, halts the
-    /// world.
+    /// Thickness h for which the mass was computed, m, if it is known. The world halts if
+    /// [`ClasticAnalysis`](crate::increment::ClasticAnalysis), whose thickness gives forces and
+    /// stresses, has another one.
     #[serde(skip)]
     pub thickness: Option<f64>,
 }

@@ -20,9 +20,9 @@ pub struct ClasticProgress {
     pub done: f64,
     /// Number of increments of the stage; 0 without a stage, as in an app that has begun none.
     pub total: f64,
-    /// Points (increments done, share) of the way of all loads of the stage from their values at
-    /// its start to their targets, in ascending order: linear between whole increments, constant
-    /// after the last. Without points the share is `done/total`.
+    /// Points (increments done, share) in ascending order; the share is the part of the change from
+    /// its value at the start of the stage to its target that every load has made: linear between
+    /// whole increments, constant after the last. Without points the share is `done/total`.
     pub course: Vec<[f64; 2]>,
     /// Fraction of a whole increment: that of the trial, or that of the committed increment.
     pub fraction: f64,

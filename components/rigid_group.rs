@@ -79,7 +79,7 @@ impl GroupRow {
         [u[0] + turned.x, u[1] + turned.y, u[2]]
     }
 
-    /// Displacement of a member to first order in the rotation, which is that of the cone program.
+    /// Displacement of a member to first order in the rotation, as the cone program has it.
     pub fn carried_linearly(u: [f64; 3], lever: DVec2) -> [f64; 3] {
         let turned = u[2] * lever.perp();
         [u[0] + turned.x, u[1] + turned.y, u[2]]

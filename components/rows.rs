@@ -43,7 +43,7 @@ impl WallRow {
         Self { inward: by.rotate(self.inward).normalize(), shape: self.shape.turned(by), ..*self }
     }
 
-    /// No drawn point of the wall is further from its position, m.
+    /// Maximum distance of a drawn point of the wall from its position, m.
     pub fn extent(&self) -> f64 {
         match self.shape {
             WallShape::Arc { centre, radius, .. } => centre.length() + radius,
@@ -74,7 +74,7 @@ pub struct BondRow {
     pub a: u32,
     /// Row of the second body.
     pub b: u32,
-    /// Gap without normal force, m.
+    /// Gap at which the bond has no normal force, m.
     pub initial_gap: f64,
     /// Law of the bond.
     pub law: BondLaw,

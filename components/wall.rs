@@ -166,22 +166,23 @@ pub enum WallSlide {
 
 /// Points (s, x, y) of a control that is linear between them and constant beyond the last. s is the
 /// time since the start of the stage (s) in dynamic analysis, and the part of the stage that is
-/// done (0 to 1) in static analysis. There it is 1 after the stage, and in an app that has begun no
-/// stage: forces and stresses are at their end, and displacements and angles are over. A force, a
-/// stress or an angle is x.
+/// done (0 to 1) in static analysis. In statics s is 1 after the stage, and in an app that has
+/// begun none: forces and stresses have their last value, displacements and angles no longer
+/// change. A force, a stress or an angle is x.
 #[derive(Component, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect), reflect(Component))]
 pub struct WallTable(pub Vec<[f64; 3]>);
 
 impl WallTable {
-    /// Ramps of x and y over the whole increment after the `progress.done` that are done.
+    /// Ramps of x and y over the whole increment that follows `progress.done`.
     pub fn next(&self, progress: &ClasticProgress, dt: Option<f64>) -> [Ramp; 2] {
         let s = |n: f64| dt.map_or_else(|| progress.part(n), |dt| n * dt);
         [1, 2].map(|k| progress.next(|n| value_at(&self.0, s(n), k)))
     }
 }
 
-/// Length that the stress of a stress-controlled wall acts on. A state names the two walls apart.
+/// Length that the stress of a stress-controlled wall acts on. A state stores the two walls beside
+/// it, by identity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub enum LoadedLength {

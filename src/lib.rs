@@ -6,8 +6,8 @@
 //! scheduled systems do the work in a fixed order (see [`systems::schedule`]).
 //!
 //! - A researcher writes a [`scene`] in RON and runs it with the `clastic` program.
-//! - A simulation programmer adds systems to the public sets of [`systems::schedule`], and has the
-//!   command line with plugins of its own by `cli::main` (feature `cli`).
+//! - A simulation programmer adds systems to the public sets of [`systems::schedule`]; `cli::main`
+//!   (feature `cli`) is the command line with further plugins.
 //! - A Bevy developer adds [`ClasticPlugins`] to an app, which then makes one increment in every
 //!   `Update`.
 //!
@@ -64,10 +64,10 @@ use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 /// `Update` is the default, and not `FixedPostUpdate` as for the physics of games. A static
 /// increment has no duration; an increment may take longer than the time step, and a fixed schedule
 /// would then ask for ever more of them; and without Bevy's `TimePlugin` a fixed schedule never
-/// runs, so that nothing would move and nothing say so. For a simulation in the time of the clock
-/// give
+/// runs, so that nothing would move, without a message. For a simulation in real time use
 /// `ClasticPlugins::new(FixedPostUpdate)`: an increment is then one time step, whose duration
-/// `ClasticAnalysis` alone has (`Time<Fixed>` follows it), and `Time<Virtual>` makes it faster or slower.
+/// `ClasticAnalysis` sets (`Time<Fixed>` follows it), and `Time<Virtual>` makes it faster or
+/// slower.
 pub struct ClasticPlugins {
     schedule: InternedScheduleLabel,
 }
@@ -113,8 +113,8 @@ impl PluginGroup for ClasticPlugins {
 
 /// Types that most embedding programs need.
 ///
-/// No name is one of Bevy's or of its usual physics engines. Three that would be come with their
-/// module: `body::Group`, `body::Probe`, `material::Material`.
+/// No name is one of Bevy's or of its usual physics engines. Three types whose names are can be
+/// reached through their modules: `body::Group`, `body::Probe`, `material::Material`.
 pub mod prelude {
     pub use crate::ClasticPlugins;
     pub use crate::components::attempt::{Attempt, IncrementStatus};

@@ -204,7 +204,7 @@ pub(crate) fn wall_distance(
     distance(first, second, |wall| geometry.get(wall).ok().map(|(wall, x)| (x.0, wall.inward())))
 }
 
-/// The same where walls have these positions (m) and inward normals; 0 if one of them has none.
+/// [`wall_distance`] of walls with these positions (m) and inward normals; 0 if one is missing.
 fn distance(first: Entity, second: Entity, wall: impl Fn(Entity) -> Option<(DVec2, DVec2)>) -> f64 {
     match (wall(first), wall(second)) {
         (Some((x, inward)), Some((y, _))) => (y - x).dot(inward),

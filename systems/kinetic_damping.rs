@@ -148,7 +148,7 @@ mod tests {
 
     #[test]
     fn a_step_that_went_too_far_is_shortened_to_what_it_aims_at() {
-        // From rest the way grows with the square of the time.
+        // From rest the travel grows with the square of the time.
         let mut motion = Motion { weight: 1.0, goal: 0.15, ..Motion::default() };
         shorten(&mut motion, Some(0.6), &MotionSettings::default());
         assert!((motion.dt() - 0.5).abs() < 1e-12, "{}", motion.dt());

@@ -167,8 +167,8 @@ pub(crate) fn assemble(
         let (along, offset, cohesion) = match link.kind {
             LinkKind::Hinge => (apart + now_b - now_a, distance, 1.0),
             LinkKind::Length(length) if link.compliance > 0.0 => (halfway, distance - length, 0.0),
-            // With the way d_0 at the start and d_1 at the end, d_1^2 - d_0^2 is (d_0 + d_1) times
-            // the motion: no error is left where the expectation is right.
+            // With the distance d_0 at the start and d_1 at the end, d_1^2 - d_0^2 is (d_0 + d_1)
+            // times the motion: no error is left where the expectation is right.
             LinkKind::Length(length) => {
                 let change = (distance - length) * (distance + length);
                 (halfway, change / (2.0 * halfway.length()), 0.0)

@@ -33,12 +33,12 @@ pub struct MotionSettings {
     pub max_failures: u32,
     /// Gap up to which a pair takes part in every step, mean radii.
     ///
-    /// 0.1: a step may change direction, so that the last step does not tell which pairs close. The
+    /// 0.1: a step may change direction, so that the last step does not show which pairs close. The
     /// value is below the intended travel of one step; no study.
     pub reach: f64,
-    /// Travel of a grain, in its radii, below which a motion is none, over
-    /// [`Acceptance::turn`](clastic_components::increment::Acceptance::turn). A fixed length would
-    /// take a motion for none that a small `turn` has asked for.
+    /// Minimum travel of a motion, in radii of a grain, over
+    /// [`Acceptance::turn`](clastic_components::increment::Acceptance::turn): a motion below it
+    /// moves nothing. A fixed travel would ignore motions that a small `turn` has asked for.
     ///
     /// 1/20: a fifteenth of the travel of one step at the default of `turn`; no study.
     pub min_travel: f64,

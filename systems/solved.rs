@@ -40,7 +40,7 @@ impl<'a> Solved<'a> {
     }
 }
 
-/// The same as a parameter of systems.
+/// [`Solved`] as a parameter of systems.
 #[derive(SystemParam)]
 pub struct SolvedTables<'w> {
     bodies: Res<'w, BodyTable>,

@@ -191,7 +191,7 @@ impl Plugin for SteppingPlugin {
     }
 }
 
-/// Gives Bevy's fixed schedules the time step of a dynamic analysis, which has it alone. In
+/// Gives Bevy's fixed schedules the time step of a dynamic analysis, which alone sets it. In
 /// statics, where increments have no duration, the app chooses how many it wants per second.
 fn follow_time_step(analysis: Res<ClasticAnalysis>, mut time: ResMut<Time<Fixed>>) {
     let AnalysisKind::Dynamic { dt, .. } = analysis.kind else { return };
@@ -207,8 +207,8 @@ pub fn is_due(due: Res<IncrementDue>, halted: Option<Res<ClasticHalted>>) -> boo
     due.0 && halted.is_none()
 }
 
-/// Run condition: as [`is_due`], or an increment was committed and the world halted after it. What
-/// has happened is told.
+/// Run condition: as [`is_due`], or the world halted after an increment was committed, whose events
+/// are announced all the same.
 fn has_news(
     due: Res<IncrementDue>,
     halted: Option<Res<ClasticHalted>>,

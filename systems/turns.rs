@@ -1,10 +1,10 @@
 //! How far a solution turns contacts: the measure of whether its constant normals are valid.
 //!
-//! A program has the normals of its start, or those of the end from which a pass goes on. An error
-//! arises where the normal of a contact that carries load, or of a bond, turns away from them. A
-//! specimen that moves, bends or strains as a whole turns none of them by more than its neighbours'
-//! relative motion says, so that its size and shape do not count. With x the way between two centres
-//! and t the tangent of their contact in the program, it turns by
+//! A program holds normals constant: those of the start, or in a [pass](crate::ending) those of the
+//! guessed end. An error arises where the normal of a bond, or of a contact that carries load,
+//! turns away from them. Only the relative motion of neighbours turns it: size and shape of a
+//! specimen that moves, bends or strains as a whole do not count. With x the vector between the two
+//! centres and t the tangent of their contact in the program, it turns by
 //!
 //! ```text
 //! |t . (x + u_b - u_a)| / |x|                          rad
@@ -26,8 +26,8 @@ use crate::solved::Solved;
 /// Minimum force of a contact that carries load, over the maximum force.
 const LOADED: f64 = 1e-3;
 
-/// Which interactions carry load, in the order of the program: those with a force that counts. Moments
-/// are left out: where their contact turns they keep their axis.
+/// Which interactions carry load, in the order of the program. Moments do not count: a turn of the
+/// contact does not change their axis.
 pub fn carrying(solution: &ConeSolution) -> Vec<bool> {
     let maximum = solution.forces.iter().map(size).fold(0.0, f64::max);
     solution.forces.iter().map(|f| size(f) > LOADED * maximum).collect()
@@ -37,14 +37,14 @@ fn size(f: &[f64; 3]) -> f64 {
     f[0].hypot(f[1])
 }
 
-/// A solution that turns a contact further than this, rad, moves its grains without support. Such a
-/// solution is never accepted, and the grains would cross thousands of others on their way.
+/// Turn, rad, beyond which a solution moves grains without support. It is never accepted, and its
+/// grains would cross thousands of others.
 const UNSUPPORTED: f64 = 5.0;
 
 /// The grain with the maximum turn, and this turn, rad: in the increment, or with `is_followed` from
 /// the normals of the program.
 pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
-    // A rigid bond remembers the way: its slip is that of its first normal.
+    // The slip of a rigid bond is along the normal of the start, from which its turn counts.
     let has_no_memory = |c: &Interaction| c.tangential_compliance > 0.0 || !c.limits.has_shear();
     let normal = |k: usize| match &solved.program.interactions[k] {
         c if is_followed && has_no_memory(c) => c.normal,
@@ -54,8 +54,8 @@ pub fn furthest(solved: Solved, is_followed: bool) -> Option<(usize, f64)> {
     turns.into_iter().enumerate().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
-/// The grain of [`furthest`], if its turn exceeds [`Acceptance::turn`], and this turn, rad. Passes have
-/// followed elastic bonds, which have no memory of the way.
+/// The grain of [`furthest`], if its turn exceeds [`Acceptance::turn`], and this turn, rad. After
+/// passes the turn counts from their normals, except for rigid bonds.
 pub fn too_far(
     solved: Solved,
     acceptance: &Acceptance,

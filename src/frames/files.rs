@@ -44,7 +44,7 @@ pub fn list(run: &Path) -> Result<Vec<PathBuf>, OutputError> {
         };
         found.push((order, path));
     }
-    // Numbers have six digits; longer ones follow.
+    // Numbers are padded to six digits, so that a longer name has a larger number.
     found.sort_by(|(a, x), (b, y)| {
         (a, x.as_os_str().len(), x.as_os_str()).cmp(&(b, y.as_os_str().len(), y.as_os_str()))
     });

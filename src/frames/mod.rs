@@ -152,14 +152,14 @@ pub struct FrameMembranes {
     pub is_closed: Vec<bool>,
     /// Chain k consists of the points from `first_point[k]` to `first_point[k + 1]`, exclusive.
     pub first_point: Vec<u32>,
-    /// Identities of the grains, and walls, of the points.
+    /// Identity of the grain or wall of each point.
     pub body: Vec<u32>,
-    /// Centres of the grains, and feet of the outer ones on the walls, m.
+    /// Centres of the grains, and feet of the perpendiculars from end grains to the walls, m.
     pub point_m: Vec<[f64; 2]>,
 }
 
 impl FrameMembranes {
-    /// Points of a chain, as places in the columns.
+    /// Range of the columns that holds the points of a chain.
     pub fn points(&self, chain: usize) -> std::ops::Range<usize> {
         self.first_point[chain] as usize..self.first_point[chain + 1] as usize
     }

@@ -35,7 +35,7 @@ pub struct FrameTables<'w, 's> {
 }
 
 impl Frame {
-    /// Takes a frame of a world whose [`BodyTable`] are up to date, as they are after an increment.
+    /// Takes a frame of a world whose [`BodyTable`] is up to date, as it is after an increment.
     ///
     /// # Panics
     /// If the world lacks [`ClasticPlugins`](crate::ClasticPlugins).
@@ -47,7 +47,7 @@ impl Frame {
 }
 
 impl FrameTables<'_, '_> {
-    /// Takes a frame. The [`BodyTable`] must be up to date, as they are after an increment.
+    /// Takes a frame. The [`BodyTable`] must be up to date, as it is after an increment.
     pub fn frame(&self) -> Frame {
         let bodies = &*self.bodies;
         let bonds = self.bonds.iter();

@@ -7,7 +7,7 @@
 //!
 //! It releases the elastic energy that the specimen loses and the work that the constant loads do
 //! meanwhile, `W + U_before - U_after`: what bonds, friction and the motion to the new equilibrium
-//! take.
+//! dissipate.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;

@@ -83,7 +83,7 @@ impl Checkpoint {
     /// scene of the directory.
     ///
     /// # Errors
-    /// If it is not so, or if there is none.
+    /// If there is no checkpoint, or it is incomplete or belongs to another scene.
     pub fn read(directory: &Path) -> Result<Self, OutputError> {
         Self::read_as(directory, directory::CHECKPOINT)
     }

@@ -1,7 +1,7 @@
-//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. What a contact
-//! carries its bond goes on carrying, so that the state stays as it is. A bond without a stiffness
-//! of its own therefore has that of its contact: rigid bonds on elastic contacts would carry
-//! whatever balances the loads.
+//! Cementing (3.4.1 of the paper): bonds between pairs that are close enough. A bond carries on the
+//! force of its contact, so that the state does not change. A bond whose law names no stiffness
+//! therefore has that of its contact: rigid bonds on elastic contacts would carry whatever balances
+//! the loads.
 
 use bevy_ecs::prelude::*;
 

@@ -85,8 +85,8 @@ impl Search {
         })
     }
 
-    /// End of a try while none has come to the value: where the measure is expected to, or that of
-    /// the whole increment.
+    /// End of a try while none has reached the value: where the measure is expected to reach it, or
+    /// the end of the whole increment.
     pub fn ahead(&self) -> f64 {
         self.expected().filter(|end| *end < self.whole - RESOLUTION).unwrap_or(self.whole)
     }

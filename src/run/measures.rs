@@ -47,7 +47,7 @@ fn quantity(world: &World, name: &str) -> Option<(Quantity, Option<f64>)> {
 }
 
 /// Reading of a measure of the scene between two increments, from what a saved state has; `None` if
-/// it is not defined, or not by that alone.
+/// it is not defined, or needs more than that.
 pub(super) fn kept(world: &mut World, name: &str) -> Option<f64> {
     let (quantity, reference) = quantity(world, name)?;
     kept_reading(world, &quantity, reference)

@@ -155,7 +155,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .filter(|group| !stage.release.contains(&group.name))
         .flat_map(|group| group.members.iter().map(|id| (*id, group.name.clone())))
         .collect();
-    // Groups of a saved state are known here alone.
+    // The members of the groups of a saved state are known only here.
     let others = stage.remove_walls.iter().chain(stage.walls.keys());
     for name in others {
         let walls = walls_of(world, std::slice::from_ref(name));

@@ -27,12 +27,12 @@ pub(crate) const APPROACH: &str = "until";
 /// the stage, if that is more.
 pub const TOLERANCE: f64 = 1e-6;
 
-/// Part of a time step with which a dynamic stage reads a measure that does not follow from the
-/// state alone. A much smaller one would have the forces of impacts in it, which grow as steps
+/// Part of a time step that a dynamic stage makes to read a measure that does not follow from the
+/// state alone. In a much smaller one the forces of impacts would dominate, which grow as steps
 /// become short.
 const READING: f64 = 0.25;
 
-/// The way of the measure of an `Until` to its value in the current stage.
+/// How the measure of an `Until` approaches its value in the current stage.
 #[derive(Resource, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Approach {
     /// Whether the stage has an `Until`.
@@ -242,10 +242,10 @@ pub(super) fn reached(world: &mut World, stage: &Stage) -> Option<(Stop, Option<
         .then(|| (Stop::Until(name.to_owned(), value), (beyond > tolerance).then_some(now)))
 }
 
-/// The condition of a stage that has ended with the last of its increments: its `Until` if it has
-/// not landed on it, also because its measure is not defined, else the first one. A measure that
-/// was at the value of the `Until` all the time has not missed it, and a stage that pours may end
-/// with room left.
+/// The condition that a stage which ended with its last increment has missed: its `Until` if it has
+/// not landed on it, also because its measure is not defined, otherwise the first condition. A
+/// measure that was at the value of the `Until` all the time has not missed it, and a stage that
+/// pours may end with room left.
 pub(super) fn missed(world: &World, stage: &Stage) -> Option<Stop> {
     let Some((name, value)) = until(stage) else {
         // A compaction has reached its target.

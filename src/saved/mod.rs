@@ -3,8 +3,8 @@
 //!
 //! A saved state is the state of a world ([`WorldState`]) without the place of the run in its
 //! stages. Everything that later increments depend on is in it to the bit, state that other plugins
-//! register included: a run in two pieces leaves the same rows as a run in one. The file has it as
-//! it is encoded, in the array `state`, which alone is read. The other arrays are for numpy.
+//! register included: a run in two pieces leaves the same rows as a run in one. The array `state`
+//! of the file holds it in encoded form; only this array is read. The other arrays are for numpy.
 
 mod arrays;
 mod of_scene;

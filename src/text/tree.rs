@@ -25,7 +25,7 @@ pub enum Shape {
     List,
     /// `{key: value, ...}`.
     Map,
-    /// Any value, in place of one that is missing or does not fit. The text has none of them.
+    /// Stands for any value, where the text has none or one that does not fit.
     MadeUp,
 }
 

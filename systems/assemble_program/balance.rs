@@ -90,8 +90,8 @@ impl<'a> Rows<'a> {
         self.affine.as_ref().map_or(DVec2::ZERO, |affine| affine.displacement(x))
     }
 
-    /// A degree of freedom that no drive imposes: unknown if interactions act on it, else known from
-    /// its load.
+    /// A degree of freedom that no drive imposes: unknown if interactions act on it, otherwise
+    /// known from its load.
     pub(crate) fn undriven(&self, row: usize, k: usize, free: FreeDof) -> Dof {
         let acted = if k < 2 { self.touched[row].0 } else { self.touched[row].1 };
         // In statics an inertia is a stiffness, and a step of a followed motion adds to it.

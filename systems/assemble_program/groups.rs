@@ -64,8 +64,8 @@ pub(crate) fn lever(
 /// N m, and loses with the rotation, N m/rad: they keep their directions while the levers turn.
 ///
 /// With theta = 1/2 the moment is the work along the finite rotation over the rotation: with the moment
-/// of the start a pendulum would gain energy. With theta = 1, which takes energy, it is that of the
-/// start. Half of the inertia is always left.
+/// of the start a pendulum would gain energy. With theta = 1, which dissipates energy, it is that
+/// of the start. Half of the inertia is always left.
 pub(crate) fn lost_by_turning(
     bodies: &BodyTable,
     group: &GroupRow,

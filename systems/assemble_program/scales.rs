@@ -147,7 +147,7 @@ fn force(
         if c.normal_compliance > 0.0 {
             elastic = elastic.min(0.1 * displacement / c.normal_compliance);
         }
-        // Where nothing is driven, loads tell the forces of rigid bonds of any strength.
+        // Where nothing is driven, loads give the scale, however strong rigid bonds are.
         if is_driven || loads == 0.0 {
             strength = strength.max(c.limits.cohesion).max(c.limits.tension);
         }

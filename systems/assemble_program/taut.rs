@@ -24,10 +24,10 @@ use crate::solved::Solved;
 const MIN_ELONGATION: f64 = 1e-9;
 
 /// The force, N, that pulls a grain back which moves along the tangent of a contact, and the length, m, on
-/// which it swings. `tension` is that of the last solution: the gap does not tell it, because a bond that
-/// has turned by 0.02 rad in a step with constant normals is as much longer as a thousand times the weight
-/// of its grain stretches it. Stiff contacts hold a load almost without elongation: a force above `least`
-/// counts in any case.
+/// which it swings. `tension` is that of the last solution: the gap does not give it, because a
+/// bond that has turned by 0.02 rad in a step with constant normals is as much longer as a thousand
+/// times the weight of its grain stretches it. Stiff contacts hold a load almost without
+/// elongation: a force above `least` counts in any case.
 fn pull(
     bodies: &BodyTable,
     contact: &Contact,
@@ -62,7 +62,7 @@ pub(super) fn assemble(trial: &Trial, program: &mut ConeProgram) {
         let c = interactions[k];
         let guess = trial.corrections.of((contact.a, contact.b));
         let tension = guess.map_or(-last_forces[k][0], |guess| guess.tension);
-        // Loops of rigid bodies may carry any force, of which no more than the loads is one of a load.
+        // Rigid bonds in loops may carry any force, of which at most the sum of the loads is real.
         let is_rigid = c.normal_compliance == 0.0;
         let tension = if is_rigid { tension.clamp(-loads, loads) } else { tension };
         if let Some([tension, length]) = pull(&trial.bodies, contact, &c, tension, least) {

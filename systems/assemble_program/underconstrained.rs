@@ -95,8 +95,8 @@ fn clusters(
     members
 }
 
-/// Flags the underconstrained bodies of a cluster: none if the ground holds the cluster,
-/// its loaded walls if they suffice, else all.
+/// Flags the underconstrained bodies of a cluster: none if the ground holds the cluster, its loaded
+/// walls if holding them suffices, otherwise all.
 fn hold_cluster(
     bodies: &BodyTable,
     program: &ConeProgram,

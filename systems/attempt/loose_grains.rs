@@ -2,8 +2,8 @@
 //! down. No equilibrium exists before it lies on others, but the specimen stands.
 //!
 //! Grains that no motion brings to rest, and that carry nothing but themselves, fall out of the specimen
-//! or roll without end. In statics such a grain has no equilibrium, and none is missed: the specimen
-//! stands without it. It is set aside: it stays where it is without weight.
+//! or roll without end. Such a grain has no equilibrium, but the specimen stands without it. In
+//! statics it is therefore set aside: it stays where it is, without weight.
 
 use bevy_ecs::prelude::*;
 
@@ -23,8 +23,8 @@ use crate::mechanism::{takes_part, translations};
 use crate::motion_settings::MotionSettings;
 use crate::solved::Solved;
 
-/// Calls a mechanism of loose grains one, whose motion is followed. Where no further motion may
-/// begin, those that carry nothing but themselves are set aside where they are.
+/// Finds mechanisms of loose grains, whose motion is followed. Where no further motion may begin,
+/// those that carry nothing but themselves are set aside where they are.
 pub fn judge(
     mut bodies: ResMut<BodyTable>,
     solution: Res<ConeSolution>,
@@ -91,7 +91,7 @@ pub(super) fn may_fall(travelled: f64, settings: &MotionSettings) -> bool {
     travelled <= FOLLOWED * settings.max_travel
 }
 
-/// Tells what still moves in a step of a motion, which may go on where nothing but loose grains does.
+/// What still moves in a step of a motion, which may continue for loose grains if it `goes_on`.
 pub(super) fn lost(solved: Solved, gravity: DVec2, goes_on: bool) -> Lost {
     let Solved { bodies, solution, .. } = solved;
     let mut far: Vec<f64> = solution.displacements.iter().map(|u| u[0].hypot(u[1])).collect();

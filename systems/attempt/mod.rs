@@ -1,13 +1,13 @@
 //! The attempts at one increment, and the judges that accept, extend or reject them.
 //!
 //! Judges run in the order in which [`AttemptPlugin`] adds them, each only if no judge before it
-//! objects, and of a step of a motion only some. [`bonds::collect`] then takes the bonds on a limit
-//! where no judge has chosen others. The tables of [`findings`](clastic_components::findings) keep
-//! their findings until the increment is committed. Only judges set a verdict, and [`mod@next`]
-//! alone maps it to the next action.
+//! has objected; a step of a motion passes only some of them. [`bonds::collect`] then lets the
+//! bonds on a limit break, unless a judge has chosen which break.
+//! [`findings`](clastic_components::findings) keep what judges find until the increment is
+//! committed. Only judges set a verdict, and [`mod@next`] alone maps it to the next action.
 //!
 //! Attempts work on the tables that were gathered when the increment began. Entities are written
-//! when it is committed, so a failed attempt changes nothing.
+//! only when an attempt is committed, so a failed one changes nothing.
 
 pub mod closed_pairs;
 pub mod closing_mechanism;
@@ -117,7 +117,8 @@ fn impossible(attempt: Res<Attempt>) -> bool {
     attempt.verdict == Verdict::Impossible && attempt.motion().is_none()
 }
 
-/// Run condition: the solution has no error of the regularisation. A thrown grain may have one.
+/// Run condition: regularisation leaves no error in the solution. `converged` accepts one with such
+/// an error where it throws a grain, which `too_far` rejects.
 fn unbiased(solution: Res<ConeSolution>) -> bool {
     solution.status == SolveStatus::Solved
 }

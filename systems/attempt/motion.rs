@@ -69,7 +69,7 @@ fn shown_stiffness(world: &World) -> f64 {
     program.scales.force / (min_travel(world.resource(), world.resource()) * bodies.mean_radius)
 }
 
-/// Travel of a grain, in its radii, below which a motion is none.
+/// Minimum travel of a motion, in radii of a grain: with less, the motion moves nothing.
 fn min_travel(acceptance: &Acceptance, settings: &MotionSettings) -> f64 {
     settings.min_travel * acceptance.turn
 }
@@ -104,8 +104,8 @@ pub fn begin(world: &mut World, released: bool, repeated: bool) {
     forget_pairs(world);
 }
 
-/// Intended travel of the furthest grain in a step, in its radii. It is so far below the limit that
-/// few steps are rejected.
+/// Intended travel of the furthest grain in a step, in its radii. It is far enough below the limit
+/// that few steps are rejected.
 fn aimed(acceptance: &Acceptance) -> f64 {
     acceptance.motion_step.min(0.5 * Acceptance::MAX_TRAVEL)
 }
@@ -199,7 +199,7 @@ pub fn judge_rest(
     let Some(motion) = attempt.motion() else { return };
     let Solved { bodies, program, solution, .. } = solved;
     let is_free = motion.weight <= settings.min_weight;
-    // A step is solved loosely, and forces beyond the bound are none of an equilibrium.
+    // A step is solved loosely: forces with a residual beyond the bound are in no equilibrium.
     let is_balanced = solution.residuals.worst() <= Sliding::bound(&acceptance);
     let is_slow = (is_balanced
         && motion.weight <= settings.rest_weight

@@ -16,7 +16,7 @@ pub struct Budget {
     pub searches: bool,
     /// Whether bonds may break at a part of the increment: one by one, or together.
     pub breaks: bool,
-    /// Whether a far turn is that of no jump: it has shrunk with the last halving, or none was tried.
+    /// Whether halving may cure a far turn: the last one has reduced it, or none was tried.
     pub shrinks: bool,
     /// Whether a proved mechanism has been followed.
     pub is_proved: bool,
@@ -185,9 +185,9 @@ mod tests {
         }
     }
 
-    /// The edges of the diagram in ARCHITECTURE.md, one line a mode.
+    /// The last column of the table in ARCHITECTURE.md, one line per mode.
     #[test]
-    fn the_diagram_has_every_transition() {
+    fn the_table_has_every_transition() {
         let word = |debug: String| debug.split('(').next().unwrap_or_default().to_owned();
         let found = std::cell::RefCell::new(std::collections::BTreeSet::new());
         every(|mode, _, _, next| {

@@ -146,8 +146,8 @@ fn act(world: &mut World, next: Next, start: &mut Option<Start>) {
     }
 }
 
-/// Part of a turn to which a halving reduces it unless it is that of a jump. A turn in proportion to
-/// the increment falls to a half.
+/// Part of a turn below which a halving must reduce it. A turn in proportion to the increment falls
+/// to a half, that of a jump stays.
 const SHRUNK: f64 = 2.0 / 3.0;
 
 /// The tables that a motion changes.

@@ -1,5 +1,5 @@
-//! Components that a body needs and that a program has removed, and components that have no effect on
-//! it. Without the former it would silently leave the tables; the latter would silently be ignored.
+//! Components that a body needs and a program has removed, and components that have no effect on
+//! it. Without a message the body would leave the tables, or the component would be ignored.
 
 use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
@@ -45,7 +45,7 @@ pub(super) fn misfit(archetypes: &Archetypes, components: &Components) -> Option
         BondState
     ];
     let kinds = named![Particle, Wall, RigidGroup, Bond];
-    // What an entity of a kind may have and need not.
+    // Components that an entity of a kind may have but does not need.
     let choices = named![ContactForce];
     let choices_of_walls = named![WallSlide, WallTable];
     kinds.into_iter().find_map(|(kind_name, kind)| {

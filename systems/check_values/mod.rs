@@ -35,8 +35,8 @@ use self::settings::Settings;
 
 /// Halts the world at the first value that has no meaning, before an attempt works with it: a
 /// position that is not a number would otherwise come back as an increment without a solution, and
-/// a control without its table as no control. It runs in every increment: it reads what the system
-/// before it has just written.
+/// a control without its table as no control. It runs in every increment, on the tables that have
+/// just been gathered.
 pub(crate) fn check_values(
     bodies: Res<BodyTable>,
     settings: Settings,
@@ -69,7 +69,7 @@ pub(crate) fn check_values(
         })
     };
     let of_particle = |i| Some(bodies::particle(&bodies, i, list.len())?.in_words(body(i)));
-    // In the order of identities: the first one found depends on the history of the world.
+    // The smallest identity: what a query finds first depends on the history of the world.
     let of_thickness = || {
         let bad = particles
             .iter()

@@ -60,8 +60,8 @@ impl ExpectedMotion {
     }
 }
 
-/// The expected motion is the imposed motion, if any, else free flight in dynamics, else the motion
-/// of the last increment. Every pair is kept up to a gap of `minimum` (m).
+/// The expected motion is the imposed motion, if any; otherwise free flight in dynamics, or the
+/// motion of the last increment. Every pair is kept up to a gap of `minimum` (m).
 pub(crate) fn expected_motion(
     bodies: &BodyTable,
     analysis: &ClasticAnalysis,

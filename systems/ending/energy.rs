@@ -1,32 +1,32 @@
 //! The error of the energy of a time step that has the geometry of its start.
 //!
-//! With theta = 1/2 the scheme keeps the energy of the motion that its program describes. The turn of
-//! normals and the misfit of gaps and slips do work on the way that no balance accounts for, in
-//! each step with the same sign: a pendulum gains its own energy in a few swings. Where friction
-//! and impacts take ten times as much in the same step, it changes nothing that matters.
+//! With theta = 1/2 the scheme keeps the energy of the motion that its program describes. The turn
+//! of normals and the misfit of gaps and slips do work during the step that no balance accounts
+//! for, in each step with the same sign: a pendulum doubles its energy in a few swings. Where
+//! friction and impacts dissipate ten times as much in the same step, this error does not matter.
 
 use super::geometry::Ending;
 use crate::solved::Solved;
 use clastic_cone::program::{ConeProgram, Interaction};
 
-/// Part of the energy that friction and impacts take which may be wrong. At 1 a hopper of
-/// elastic grains in steps of half a period of a contact gains twice the energy that its grains have
-/// fallen by, at 0.1 it loses 2 % of it.
+/// Maximum error over the energy that friction and impacts dissipate. At 1 a hopper of elastic
+/// grains in steps of half a period of a contact gains twice the energy that its grains have fallen
+/// by, at 0.1 it loses 2 % of it.
 const ACCEPTED: f64 = 0.1;
 /// Maximum error of the energy of a step over the kinetic and the elastic energy. It is systematic:
 /// 10 000 steps add up to 1e-7.
 const MAX_ERROR: f64 = 1e-11;
-/// Work over that of the maximum force along a mean radius that is no error: the tolerance of the
-/// solver leaves as much. It counts where bodies turn back and have no kinetic energy.
+/// Work, over that of the maximum force along a mean radius, which does not count: the tolerance of
+/// the solver leaves as much. It counts where bodies turn back and have no kinetic energy.
 const NO_WORK: f64 = 1e-13;
 
-/// Maximum error over the kinetic and the elastic energy, beyond what the step takes, with which passes
-/// that find no end may end. The tolerance of the solver leaves as much in a packing near rest, and in
-/// steps beyond the range of the passes a gas gains a hundredth and more.
+/// Maximum error over the kinetic and the elastic energy, beyond what the step dissipates, with
+/// which passes that do not converge may end. The tolerance of the solver leaves as much in a
+/// packing near rest, and in steps beyond the range of the passes a gas gains a hundredth and more.
 const MAX_STALLED_ERROR: f64 = 1e-6;
 
-/// Work that the geometry of the start does wrongly, over the work that is accepted, and over that with
-/// which a step may end at most. `work` is that of the maximum force along a mean radius, J.
+/// Work that the geometry of the start does wrongly: over the work that is accepted, and over the
+/// maximum with which a step may end. `work` is that of the maximum force along a mean radius, J.
 pub fn errors(solved: Solved, ending: &Ending, work: f64) -> [f64; 2] {
     let Solved { program, solution, .. } = solved;
     let u = &solution.displacements;

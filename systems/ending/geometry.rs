@@ -214,8 +214,8 @@ impl Increment<'_> {
         }
     }
 
-    /// Geometry of a contact on the way to the end of the motion `u`, and the motion of b relative
-    /// to a in the program of a `guess`, in which a rigid group turns to first order.
+    /// Geometry of a contact during the motion `u`, and the motion of b relative to a in the
+    /// program about a `guess`, in which a rigid group turns to first order.
     fn exact(
         &self,
         contact: &Contact,
@@ -304,7 +304,7 @@ fn add(program: &ConeProgram, rows: &mut [[f64; 3]], body: usize, force: DVec2, 
     }
 }
 
-/// Geometry of a contact on its way from the start to the end of the increment.
+/// Geometry of a contact between the start and the end of the increment.
 struct Exact {
     /// Normal at the place of the increment where it counts.
     normal: DVec2,
@@ -341,10 +341,10 @@ fn of_pair(
     })
 }
 
-/// A particle and a wall. The normal of a line is constant, so that it matters in time steps alone. A
-/// wall that turns is left to [`turning`](crate::assemble_program::turning), one in a rigid group to
-/// the frozen normals of its group, and an end that a particle passes in a time step to those of the
-/// start: the next wall may take over there.
+/// A particle and a wall. The normal of a line is constant, so that it matters only in time steps.
+/// A wall that turns is left to [`turning`](crate::assemble_program::turning), one in a rigid group
+/// to the frozen normals of its group, and an end that a particle passes in a time step to those of
+/// the start: the next wall may take over there.
 fn of_wall(
     bodies: &BodyTable,
     contact: &Contact,
@@ -363,7 +363,7 @@ fn of_wall(
     }
     let normal = -at.outward;
     let moved = way[2] - way[0];
-    // The slip along a circle is the way of the particle about its centre.
+    // The slip along a circle is the arc that the particle travels about its centre.
     let turn = |centre: DVec2| {
         let arms = way.map(|to_wall| to_wall + centre);
         arms[1].length() * angle(arms[0], arms[2])

@@ -8,14 +8,14 @@
 //! v + r - sum w_i (dv_i + dr_i)
 //! ```
 //!
-//! It takes the place of the geometric stiffness, which the program does not have: near a buckling
-//! load the plain map converges as slowly as the load is near, this one in a few passes. See D. G.
+//! It replaces the geometric stiffness, which the program does not have: the closer a buckling
+//! load, the more slowly the plain map converges, while this one takes a few passes. See D. G.
 //! Anderson, J. ACM 12 (1965) 547.
 //!
 //! A change that grows by g >= 1 from guess to solution leads away from a fixed point that is not
 //! stable: a straight column beyond its buckling load. Anderson's step along it, `1/(1 - g)` times what
-//! the guess missed, would lead back there. The guess takes `1/(g - 1)` times instead, as Newton's
-//! method for a minimum does that takes the absolute values of the curvatures.
+//! the guess missed, would lead back there. The guess therefore moves by `1/(g - 1)` times the
+//! miss, as in a Newton method for a minimum that uses the absolute values of the curvatures.
 
 use clastic_components::findings::Guesses;
 

@@ -1,20 +1,20 @@
 //! Judge: is the solution an equilibrium where the increment ends?
 //!
-//! The program has the geometry of the start. Its forces balance there, but the bodies are elsewhere
-//! when the increment ends. The increment is therefore solved again with the [`geometry`]
-//! about a guess of its end, until the end has no force out of balance by more than
-//! `MAX_IMBALANCE` of the maximum, and another pass would move no body by more than
+//! The program has the geometry of the start. Its forces balance there, but the bodies are
+//! elsewhere when the increment ends. The increment is therefore solved again with the [`geometry`]
+//! about a guess of its end, which is called a pass, until the end has no force out of balance by
+//! more than `MAX_IMBALANCE` of the maximum, and another pass would move no body by more than
 //! `MAX_IDLE_MOTION` of the motion of the increment.
 //!
-//! The second condition is the one that tells the error of the motion. Near a buckling load a force of
-//! 1e-7 of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five
-//! times the maximum moves them by a thousandth. Before the first pass the idle motion is the linear
-//! response of the solution to what is out of balance. With a growth g from pass to pass, all further
-//! passes together move 1/(1 - g) times as much. From g = 1 on the equilibrium that the passes would
-//! find is not stable, and they leave it for one that is, as a column that buckles. No step between
-//! guesses turns a bond or a loaded contact further than one solution may. Where contacts slide, the
-//! forces depend on the path as much as on the end, the next increment begins with what was out of
-//! balance, and the first condition alone decides.
+//! Only the second condition measures the error of the motion. Near a buckling load a force of 1e-7
+//! of the maximum moves bodies by half of their motion, and in a stiff cantilever one of five times
+//! the maximum moves them by a thousandth. Before the first pass the idle motion is the linear
+//! response of the solution to what is out of balance. With a growth g from pass to pass, all
+//! further passes together move 1/(1 - g) times as much. From g = 1 on the equilibrium that the
+//! passes would find is not stable, and they leave it for one that is, as a column that buckles. No
+//! step between guesses turns a bond or a loaded contact further than one solution may. Where
+//! contacts slide, the forces depend on the path as much as on the end, the next increment begins
+//! with what was out of balance, and the first condition alone decides.
 //!
 //! In statics, passes are for what guides a body over many increments: elastic bonds, rigid ones from
 //! which something hangs, rigid groups and curved walls. The contacts of loose grains last for few, and with smaller increments the peaks of sand did not
@@ -46,8 +46,8 @@ use crate::turns::{carrying, furthest, of_bonded, of_loaded};
 
 /// Maximum out-of-balance force at the end over the maximum force where nothing slides.
 const MAX_IMBALANCE: f64 = 1e-3;
-/// The same where contacts slide. At 1e-2 passes take a tenth more time in sand, and peaks do not come
-/// closer to those of smaller increments.
+/// Maximum out-of-balance force where contacts slide. At 1e-2 passes take a tenth more time in
+/// sand, and peaks do not come closer to those of smaller increments.
 const MAX_IMBALANCE_OF_SLIDING: f64 = 5e-2;
 /// Maximum idle motion over the motion of the increment.
 const MAX_IDLE_MOTION: f64 = 1e-3;
@@ -56,8 +56,8 @@ pub(crate) const NO_MOTION: f64 = 1e-6;
 /// Stretch of a bond by the maximum force over the motion of the increment, below which the specimen
 /// moves almost as rigid bodies.
 const FREE: f64 = 1e-3;
-/// Part of the last maximum force that the maximum force counts as at least: a specimen that is
-/// unloaded has forces of round-off.
+/// Minimum of the maximum force, over that of the last increment: the forces of a specimen that is
+/// unloaded are round-off.
 const LAST_FORCE: f64 = 1e-3;
 /// Maximum turn of a contact, rad, from which a solution says where the increment ends.
 const MAX_TURN: f64 = 2.0;
@@ -65,7 +65,7 @@ const MAX_TURN: f64 = 2.0;
 const MAX_PASSES: u32 = 60;
 /// Maximum number of passes in which the error does not fall to [`PROGRESS`] of its minimum.
 const MAX_STALLED: u32 = 3;
-/// Part of the error to which a pass with progress reduces it.
+/// Factor by which a pass must reduce the error to count as progress.
 const PROGRESS: f64 = 0.7;
 
 /// Factor of the stiffness at the last solution.
@@ -102,10 +102,10 @@ pub fn judge(
     let determined = determined_force(bodies, program, listed, 0.0);
     let unit = force_scale(program, &solution.forces).max(last).min(determined);
     state.imbalance = if ending.imbalance > 0.0 { ending.imbalance / unit } else { 0.0 };
-    // Without a pass the geometry is that of the start, where a specimen at rest still is. Its forces may
-    // be round-off alone, of which an imbalance says nothing.
+    // Without a pass the geometry is that of the start, where a specimen at rest still is. All its
+    // forces may be round-off, and so would be an imbalance over them.
     let has_stayed = state.passes == 0 && tables.is_at_rest();
-    // What hangs on rigid bonds alone.
+    // Something hangs on rigid bonds and nothing else.
     let hangs = determined.is_finite() && program.has_bonds();
     if !(tables.is_guided() || hangs) || state.capped || has_stayed {
         return;
@@ -228,8 +228,8 @@ impl Tables<'_> {
         self.analysis.kind == AnalysisKind::Static
     }
 
-    /// Whether a time step keeps the energy: theta = 1 takes more of it than the geometry of the start
-    /// does wrongly.
+    /// Whether a time step must keep the energy: theta = 1 dissipates more than the geometry of the
+    /// start does wrongly.
     fn keeps_energy(&self) -> bool {
         matches!(self.analysis.kind, AnalysisKind::Dynamic { theta, .. } if theta < 1.0)
     }
@@ -254,8 +254,8 @@ impl Tables<'_> {
     }
 }
 
-/// The motion of the bodies that carry load. Where a loose grain goes tells nothing of the specimen,
-/// and depends on the weight that regularises it.
+/// The motion of the bodies that carry load. The motion of a loose grain depends on the weight that
+/// regularises it, and is no motion of the specimen.
 pub(crate) struct Motion {
     /// Whether a body carries load.
     loaded: Vec<bool>,
@@ -296,8 +296,8 @@ impl Motion {
     }
 
     /// What another pass would move, and its growth from pass to pass. After a pass it is what the
-    /// guess missed, before the first one the linear response; empty where the stiffness has no
-    /// factor.
+    /// guess missed, before the first pass the linear response; empty where the stiffness matrix
+    /// cannot be factorised.
     fn idle(
         &self,
         Solved { program, solution, .. }: Solved,
@@ -318,14 +318,14 @@ impl Motion {
         (idle, growth)
     }
 
-    /// An idle motion, with all that follows from it, over that of the increment.
+    /// An idle motion, with those of all further passes, over the motion of the increment.
     fn over_own(&self, idle: &[[f64; 3]], growth: f64) -> f64 {
         let all = if growth < 1.0 { (growth / (1.0 - growth)).max(1.0) } else { f64::INFINITY };
         let size = if idle.is_empty() { f64::INFINITY } else { largest(idle, self.radius) };
         if size <= NO_MOTION * self.radius { 0.0 } else { all * size / self.size() }
     }
 
-    /// A guess of all displacements: a body without load goes where it went.
+    /// A guess of all displacements; for bodies without load those of the solution.
     fn with_others(&self, guess: &[[f64; 3]], solution: &ConeSolution) -> Vec<[f64; 3]> {
         let all = guess.iter().zip(&solution.displacements).zip(&self.loaded);
         all.map(|((guess, u), loaded)| if *loaded { *guess } else { *u }).collect()

@@ -151,7 +151,7 @@ pub fn book(e: &mut Energies, program: &ConeProgram, mean: &[[f64; 3]], part: &P
     }
     let rest = p * moved[0] - normal - part.opening();
     if part.law.normal_compliance > 0.0 {
-        // Springs take nothing: what they miss where they close or open is an error of the step.
+        // Springs dissipate nothing: their misfit where they close or open is an error of the step.
         let opened = part.opened() * part.kinematics[0] / part.law.normal_compliance;
         e.dilation += opened;
         e.numerical += rest - opened;

@@ -7,9 +7,9 @@
 //! dt f . v - dt s . G'v = 1/2 m v_1^2 - 1/2 m v_0^2
 //! ```
 //!
-//! Every interaction therefore takes its impulse times the mean of its relative velocities. The
-//! normal impulse of a rigid contact is booked as `collision`, whatever its restitution, the
-//! tangential one as `friction`, and the rolling one as `rolling`. Bodies move by
+//! Every interaction therefore absorbs its impulse times the mean of its relative velocities before
+//! and after. The normal impulse of a rigid contact is booked as `collision`, whatever its
+//! restitution, the tangential one as `friction`, and the rolling one as `rolling`. Bodies move by
 //! `u = dt (theta v_1 + (1 - theta) v_0)`. The work `f . u` of the loads exceeds `dt f . v` by
 //! `(theta - 1/2) dt f . (v_1 - v_0)`, which is `numerical`. For constant loads this is the change
 //! of a function of the velocities and does not accumulate. An elastic force stores the energy of

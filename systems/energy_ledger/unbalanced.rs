@@ -16,7 +16,7 @@ use crate::assemble_program::groups::{self, join};
 use crate::solved::Solved;
 
 /// Adds the work of loads that vary linearly from start to end. The out-of-balance force at the
-/// start does work on the way to equilibrium. This is `motion` after a sudden change (`is_jump`:
+/// start does work until equilibrium is reached. This is `motion` after a sudden change (`is_jump`:
 /// the first increment, or a removed body), and `turning` otherwise.
 pub fn book(e: &mut Energies, tables: &Tables, starts: &Starts, is_jump: bool) {
     let Solved { bodies, program, solution, contacts } = tables.solved;

@@ -1,7 +1,7 @@
 //! Paths of particles within a dynamic increment with restitution.
 //!
-//! The program has velocities and moves bodies by `v dt` with the velocity v at the end. Particles
-//! without a sustained contact allow a better path:
+//! The program finds the velocities v at the end of the increment, and moves bodies by `v dt`.
+//! Particles without a sustained contact allow a better path:
 //!
 //! | particle | displacement in the increment |
 //! |---|---|
@@ -10,10 +10,10 @@
 //! | has springs or bonds | `dt v` |
 //! | any other | `dt (v + e v_0)/(1 + e)` where bodies are hit that touch others, else `dt v` |
 //!
-//! The second row, with the acceleration a by the loads, is the exact path of a single impact under
-//! constant loads, friction and rotation included. It also holds for an impact after the step,
-//! where `dt v` would overlap; then t = dt. In the last row the impact is at the start of the
-//! increment and dissipates `m (1 - e^2) w_0^2/2`, whatever the loads. If a pair of the program
+//! The second row, in which the loads cause the acceleration a, is the exact path of a single
+//! impact under constant loads, friction and rotation included. It also holds for an impact after
+//! the step, where `dt v` would overlap; then t = dt. In the last row the impact is at the start of
+//! the increment and dissipates `m (1 - e^2) w_0^2/2`, whatever the loads. If a pair of the program
 //! would overlap by these paths, both bodies move by `dt v`.
 
 use std::borrow::Cow;
@@ -42,7 +42,7 @@ enum Path {
     End,
 }
 
-/// Where bodies go in an increment, and what it depends on beside the solution.
+/// What the displacements of bodies in an increment depend on beside the solution.
 #[derive(SystemParam)]
 pub struct Paths<'w> {
     analysis: Res<'w, ClasticAnalysis>,
@@ -53,8 +53,8 @@ pub struct Paths<'w> {
 }
 
 impl Paths<'_> {
-    /// Displacements by body in the axes of the body, m, m, rad: those that separate rigid overlaps,
-    /// else those of paths, else those of the solution.
+    /// Displacements (m, m, rad) by body in its axes: those that separate rigid overlaps, if any;
+    /// otherwise those of the paths, without restitution those of the solution.
     pub fn motion<'a>(&'a self, solved: Solved<'a>) -> Cow<'a, [[f64; 3]]> {
         if let Some(pushed) = &self.pushed.0 {
             return pushed.into();
@@ -83,7 +83,7 @@ impl Paths<'_> {
 struct Step<'a> {
     solved: Solved<'a>,
     impacts: &'a Impacts,
-    /// Theta of the paths.
+    /// Theta of the scene, which applies to free flight.
     theta: f64,
     /// Time step, s.
     dt: f64,
@@ -119,7 +119,7 @@ impl Step<'_> {
         u
     }
 
-    /// Moves the rigid groups, as particles that carry contact forces or none.
+    /// Moves the rigid groups, by the first row of the table or, with contact forces, the last.
     fn move_groups(&self, out: &mut [[f64; 3]]) {
         let Solved { bodies, program, solution, .. } = self.solved;
         if bodies.groups.is_empty() {
@@ -139,8 +139,8 @@ impl Step<'_> {
         }
     }
 
-    /// Moves the bodies of rigid pairs that overlap by more than `allowed` (m) by `v dt`. Whether
-    /// any other displacement has changed by that.
+    /// Moves the bodies of rigid pairs that overlap by more than `allowed` (m) by `v dt`. Returns
+    /// whether this has changed any displacement.
     fn end_overlaps(&self, allowed: f64, kinds: &mut [Path], out: &mut [[f64; 3]]) -> bool {
         let mut changed = false;
         for (contact, c, _) in self.solved.contacts() {

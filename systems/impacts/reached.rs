@@ -21,10 +21,10 @@ use super::push_out::residual_overlap;
 use crate::measures::fragments::{join, root};
 use crate::solved::{Solved, SolvedTables};
 
-/// Gain of energy over the exchange of energy in a cluster that is no gain: the tolerance of the solver
-/// leaves as much.
+/// Gain of energy of a cluster, over the energy that it exchanges, which does not count: the
+/// tolerance of the solver leaves as much.
 const NO_GAIN: f64 = 1e-6;
-/// Factor of the restitution up to which a cluster that gains has none next.
+/// Minimum factor of a restitution: a cluster that still gains energy with it has none next.
 const LEAST: f64 = 0.5;
 
 /// Adds what the impacts have caused, and requests another solution.
@@ -106,7 +106,7 @@ impl Clusters {
     }
 }
 
-/// Closing of a pair, m, that a unit normal force takes.
+/// Closing of a pair, m, that a unit normal force prevents.
 fn mobility(program: &ConeProgram, c: &Interaction) -> f64 {
     let of = |body: u32| match &program.bodies[body as usize].dofs[0] {
         Dof::Free(free) if free.inertia > 0.0 => 1.0 / free.inertia,
@@ -116,8 +116,8 @@ fn mobility(program: &ConeProgram, c: &Interaction) -> f64 {
 }
 
 /// Which clusters gain energy by the impulses of their contacts: each does work along the mean of the
-/// relative velocities before and after. What the loads give to bodies at rest, m (a dt)^2/2, is no gain:
-/// rest and impact are told apart to that. A single impact gains nothing.
+/// relative velocities before and after. What the loads give to bodies at rest, m (a dt)^2/2, is no
+/// gain, because rest and impact are distinguished no better. A single impact gains nothing.
 fn gains(solved: Solved, clusters: &Clusters, carrying: &Carrying) -> Vec<bool> {
     let Solved { program, solution, .. } = solved;
     // Motion of the step at the velocity before; with restitution that at the end is u/dt.

@@ -11,7 +11,7 @@
 //! | hit at the time t, by bodies that touch nothing else | `-(e w_t - a (dt - t))`, w_t the speed
 //! then |
 //! | not hit, by bodies that touch nothing else | none |
-//! | hit, by bodies of which one touches others, or because of another impact | `-e w_0` |
+//! | hit where one of the bodies touches others, or as a result of another impact | `-e w_0` |
 //! | separating at the start | `max(g_0/dt, e \|w_0\|)` |
 //! | any other | `g_0/dt` |
 //!

@@ -68,16 +68,16 @@ impl StateOf for NamedState {
 }
 
 /// Elastic energy of the contacts and bonds at the end of an increment,
-/// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The forces of a program are those at the point
-/// theta of it, and its compliances and offsets are divided by theta. `bodies` are those at the end, the
-/// other tables those of the increment.
+/// `1/2 sum (C_N p^2 + C_T q^2 + C_R tau^2)`, J. The program has the forces at the point theta of
+/// the increment, and compliances and offsets over theta. `bodies` are at its end, other tables
+/// those of the solve.
 pub(crate) fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> f64 {
     let Solved { bodies, contacts, program, solution } = solved;
     let end = Moved::not(bodies);
     let force = |k: usize, c: &Interaction| {
         let contact = contacts.0.get(k);
         let overlap = match contact.filter(|contact| contact.bond.is_none()) {
-            // With the normal of the start two bodies that pass each other would overlap.
+            // Along the normal of the start, two bodies that pass each other would seem to overlap.
             Some(contact) => -end.gap(bodies, contact.a, contact.b),
             None => {
                 let [turned, _] = contact.map_or([0.0; 2], |contact| corrections.shift(contact));
@@ -91,7 +91,7 @@ pub(crate) fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f
 }
 
 /// Elastic energy that a static increment leaves to the next one, J. Normal forces are those of the
-/// gaps: the part with which associated friction has opened a gap ends with the increment.
+/// gaps: what the opening by associated friction adds ends with the increment.
 pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f64 {
     let force = |_: usize, c: &Interaction| {
         let closing = program.kinematics(c, &solution.displacements)[0];
@@ -100,7 +100,8 @@ pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f6
     stored(program, solution, 1.0, Some(force))
 }
 
-/// `at_end`: normal forces of elastic interactions that follow from the gaps at the end.
+/// Elastic energy at the end of the increment, J. `at_end` gives the normal forces of elastic
+/// interactions from their gaps there; without it they are those of the solution.
 fn stored(
     program: &ConeProgram,
     solution: &ConeSolution,

@@ -53,8 +53,8 @@ impl StrainTables<'_, '_> {
         Some(&self.start.as_ref().filter(|start| !start.0.is_empty())?.0)
     }
 
-    /// Displacement of a particle since the start of the reference stage, m: none of a particle
-    /// that was not there, and `None` before this stage.
+    /// Displacement of a particle since the start of the reference stage, m: 0 for a particle that
+    /// was not there then, `None` before this stage.
     pub(super) fn motion(&self, id: BodyId, now: DVec2) -> Option<f64> {
         let start = self.starts()?;
         let found = start.binary_search_by_key(&id, |(id, _)| *id);

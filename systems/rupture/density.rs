@@ -3,10 +3,9 @@
 
 use clastic_components::findings::EventTrial;
 
-/// Relative change of the contact forces in which bonds are counted.
+/// Relative change of the contact forces over which bonds that reach their limits are counted.
 const WINDOW: f64 = 0.05;
-/// Minimum number of these bonds: with fewer, the density of a small specimen is a matter of
-/// chance.
+/// Minimum count: from fewer bonds the density of a small specimen is a matter of chance.
 const MIN_COUNT: usize = 10;
 
 /// Density of ruptures between a state and a trial: the share of the bonds that reach their limits
@@ -18,8 +17,8 @@ const MIN_COUNT: usize = 10;
 ///
 /// with N bonds in all, and n bonds that reach their limits from the first crossing on until the
 /// forces have changed by the fraction `WINDOW` more. Overloads are extrapolated linearly, so that
-/// the density depends on the length of the trial only where the response is not linear. It is 0
-/// if n is below `MIN_COUNT`, which includes trials within the limits whose forces decrease.
+/// the density depends on the length of the trial only where the response is not linear. It is 0 if
+/// n is below `MIN_COUNT`, as where all overloads decrease.
 pub fn density(below: &EventTrial, trial: &EventTrial) -> f64 {
     let (_, due) = due(below, trial);
     if due.len() < MIN_COUNT {
@@ -44,8 +43,8 @@ pub fn due(below: &EventTrial, trial: &EventTrial) -> (f64, Vec<usize>) {
     (first, (0..crossings.len()).filter(within).collect())
 }
 
-/// Distance to the limit of a bond with the overload `at`, if that changes at the rate at which it
-/// goes from one value to another in `step`; infinite if it decreases.
+/// Part of the increment after which a bond with the overload `at` reaches its limit, if its
+/// overload goes on to change by `to - from` in each `step`; infinite if it decreases.
 pub fn distance(at: f64, [from, to]: [f64; 2], step: f64) -> f64 {
     if to > from { (1.0 - at).max(0.0) / (to - from) * step } else { f64::INFINITY }
 }

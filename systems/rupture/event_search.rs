@@ -41,8 +41,8 @@ pub fn at_constant_load(trial: &EventTrial, tolerance: f64) -> Option<usize> {
 
 /// The decision on trial number `trials` of a search, counted from 0. `below` is the last trial
 /// before the crossing, or the start of the increment. `above` is the last trial beyond it.
-/// `in_a_row` counts the consecutive trials that replaced the lower end of the interval, and the
-/// upper end. A bond is at its limit when `1 - tolerance <= R <= 1`.
+/// `in_a_row` counts the consecutive trials that replaced the lower end of the interval, and those
+/// that replaced the upper end. A bond is at its limit when `1 - tolerance <= R <= 1`.
 pub fn decide(
     below: &EventTrial,
     above: Option<&EventTrial>,

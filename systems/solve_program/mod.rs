@@ -36,7 +36,7 @@ pub struct SolveProgramPlugin;
 
 impl Plugin for SolveProgramPlugin {
     fn build(&self, app: &mut App) {
-        // Warm start of the solver by row. The settings determine the solver.
+        // The warm start is state; the solver itself follows from the settings.
         app.register_part(
             SOLVER_MEMORY,
             |world| world.get_resource::<Solver>().map(|solver| solver.0.memory().to_vec()),
@@ -82,16 +82,16 @@ fn renumber_memory(rows: Res<KeptRows>, bodies: Res<BodyTable>, mut solver: ResM
 /// motion is committed.
 const RESIDUAL_OF_MOTION: f64 = 1e-3;
 
-/// Residual at which the solver may stop, of the one that is accepted; 0 for its own default.
-/// Loading of bonds to their limits requires the default, because errors could change which bond
-/// breaks.
+/// Residual at which the solver may stop, given the one that is accepted; 0 means the default of
+/// the solver. Loading of bonds to their limits requires the default, because errors could change
+/// which bond breaks.
 fn asked(accepted: f64, analysis: &ClasticAnalysis, attempt: &Attempt, bodies: &BodyTable) -> f64 {
     let is_time_step = analysis.kind.dt().is_some() && bodies.bonds.is_empty();
     if attempt.motion().is_some() || is_time_step { accepted } else { 0.0 }
 }
 
-/// Residuals of a solution. The inertia of a followed motion is part of its program. Elsewhere a
-/// regularisation is an error of the balance.
+/// Residuals of a solution. The proximal terms of a followed motion are its inertia and belong to
+/// the balance; those of a regularisation are an error of it.
 fn residuals_of(attempt: &Attempt, program: &ConeProgram, solution: &ConeSolution) -> Residuals {
     if attempt.motion().is_some() {
         residuals::regularised_residuals(program, solution)
@@ -120,7 +120,7 @@ pub fn solve_program(
     let mut solve = |program: &ConeProgram| {
         let aim = sliding::MARGIN * enough;
         let swept = is_sliding.then(|| Coulomb::sweep(program, solver.0.memory(), aim)).flatten();
-        // `solve_sliding` needs no associated solution after sweeps.
+        // Where sweeps succeed, `solve_sliding` needs no associated solution.
         swept.map_or_else(|| solver.0.solve(program, tolerance), Ok)
     };
     *solution = match check(&program).and_then(|()| solve(&program)) {

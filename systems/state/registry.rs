@@ -54,7 +54,7 @@ pub trait StateOf: Serialize + DeserializeOwned {
     /// Restores the state in a world that contains all bodies and bonds.
     fn put(self, world: &mut World);
 
-    /// Removes the state, where a world goes back to a time without it.
+    /// Removes the state, for a world that goes back to a time at which it had none.
     fn forget(_world: &mut World) {}
 }
 
@@ -211,7 +211,7 @@ fn restore_component<I: Identity, T: Component + DeserializeOwned>(
     Ok(())
 }
 
-/// Takes the component from all entities but those with these identities, which are sorted.
+/// Removes the component from all entities but those with these identities, which are sorted.
 fn keep_components<I: Identity, T: Component>(world: &mut World, ids: &[I]) {
     let mut all = world.query_filtered::<(Entity, &I), With<T>>();
     let others = all.iter(world).filter(|(_, id)| ids.binary_search(id).is_err());

@@ -60,7 +60,7 @@ pub fn external_forces(
                 if group.drives[k] == BodyDrive::Free {
                     own + (force - sprung)
                 } else {
-                    // The loads of the members are none of the group's.
+                    // The reaction acts on the group; the loads of its members are not part of it.
                     inertial(i, k, group.mass_of(k), u[k]) + rows[i][k] - (all[k] - own)
                 }
             });

@@ -114,7 +114,7 @@ fn place(at: &BodyPosition) -> [f64; 2] {
 /// The time step of the part of an increment that is committed.
 #[derive(Clone, Copy)]
 struct Step {
-    /// s.
+    /// Duration, s.
     dt: f64,
     theta: f64,
 }

@@ -13,7 +13,7 @@ const MEANS: &str = "study_means.csv";
 /// Lock of the two tables.
 const LOCK: &str = "study.lock";
 
-/// Writes the tables and the page, and prints how many runs can be trusted. Runs that failed are rows with marks.
+/// Writes tables and page, and prints how many runs can be trusted. A failed run has a mark.
 pub fn collect(sweep: &Sweep) -> Result<Exit, Failure> {
     let Sweep { plan, folder, .. } = sweep;
     // Two sweeps in one folder may end at the same moment: one writes after the other.

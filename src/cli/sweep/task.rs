@@ -75,7 +75,7 @@ impl Sweep {
     }
 
     /// Begins a run, unless it is there, or another process makes it. The preparation that it needs
-    /// has ended.
+    /// must have ended.
     pub fn begin(&self, task: Task, program: &[OsString]) -> Result<Begun, Failure> {
         let planned = self.planned(task);
         let directory = self.directory(task);
@@ -128,8 +128,8 @@ fn scene(path: &Path) -> PathBuf {
     if path.exists() { path.to_owned() } else { path.file_stem().unwrap_or_default().into() }
 }
 
-/// Path that leads from a directory to a file, if both are absolute. It does not depend on the
-/// place of a folder that has both, so that the settings of a run do not either.
+/// Path that leads from a directory to a file, if both are absolute. It stays the same where a
+/// folder that holds both is moved, and so do the settings of a run.
 fn relative(from: &Path, to: &Path) -> PathBuf {
     let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
     let up = from.components().skip(common).map(|_| Path::new(".."));

@@ -102,8 +102,8 @@ fn table(path: &Path, is_read: impl Fn(&str) -> bool) -> Result<Map<String, Valu
     Ok(columns)
 }
 
-/// A number as the page has it: null if it is none, whole if it can be, otherwise with seven
-/// significant digits.
+/// A field as a number of the page: null if it is no number, an integer if it is whole, otherwise
+/// with seven significant digits.
 fn number(field: &str) -> Value {
     let Some(x) = field.parse::<f64>().ok().filter(|x| x.is_finite()) else { return Value::Null };
     if x == x.trunc() && x.abs() < 9.0e15 {

@@ -145,7 +145,7 @@ fn imposed_strain(scene: &Scene, load: &Load, packed: Option<&Packed>) -> Option
     }
 }
 
-/// Strain in an increment of a component of the cell.
+/// Strain of one component of the cell in an increment.
 fn of_increment(load: &Load, component: Option<CellTarget>) -> Option<f64> {
     match component? {
         CellTarget::Strain(strain) => Some(strain.abs() / f64::from(load.increments.max(1))),
@@ -174,8 +174,8 @@ struct Packed {
 
 impl Packed {
     /// A random packing fills the grid from which it is drawn. A compaction brings it to the
-    /// height, or the porosity, of its target; where none does, its height is not known and its
-    /// width decides. One that is cut out of a cell is as large as the part that is left.
+    /// height, or the porosity, of its target; without one the height is not known, and the width
+    /// decides. A packing that is cut out of a cell is as large as the part that is left.
     fn of(scene: &Scene, seeds: &[Particle], disks: &Disks) -> Option<Self> {
         let Disks { area, largest, .. } = *disks;
         let side = |of: fn(&Particle) -> f64| {
@@ -230,7 +230,7 @@ impl Packed {
         }
     }
 
-    /// Largest diameters across the smaller side.
+    /// Number of largest diameters that fit across the smaller side.
     fn across(&self) -> f64 {
         self.width.min(self.height) / (2.0 * self.largest)
     }

@@ -34,7 +34,7 @@ pub struct Untouched {
     stage: usize,
     /// What this stage drives and what has carried no force in it, by name.
     now: BTreeSet<String>,
-    /// The same of earlier stages, by their names.
+    /// Names of earlier stages, each with what it drove and what carried no force in it.
     before: Vec<(String, BTreeSet<String>)>,
 }
 
