@@ -17,7 +17,6 @@
 //! bonds break instead of in radii, and the first step has the time sqrt(m/k) of a grain on a bond.
 
 use bevy_ecs::prelude::*;
-use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{BodyTable, BondRow, Contact};
@@ -30,18 +29,15 @@ use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::loose_grains::{Lost, lost, may_fall};
+use super::rest;
 use super::slip::follow_slip;
 use crate::contact_laws::Laws;
-use crate::ending;
 use crate::kinetic_damping;
-use crate::measures::fragments::fragments;
 use crate::motion_settings::MotionSettings;
-use crate::places::{digits, moves_most, near};
+use crate::places::{digits, near};
 use crate::rupture::bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
 use crate::solved::{Solved, SolvedTables};
 use crate::travel::furthest;
-use crate::turns::{carrying, centre_of_curve, is_imposed};
 use crate::update_state::remembered;
 
 /// Length of a step, in radii of the furthest grain, stiffness, N/m, and weight of the first step.
@@ -70,12 +66,9 @@ fn shown_stiffness(world: &World) -> f64 {
 }
 
 /// Minimum travel of a motion, in radii of a grain: with less, the motion moves nothing.
-fn min_travel(acceptance: &Acceptance, settings: &MotionSettings) -> f64 {
+pub(super) fn min_travel(acceptance: &Acceptance, settings: &MotionSettings) -> f64 {
     settings.min_travel * acceptance.turn
 }
-
-/// Part of the step before to which a step shrinks that leads to an equilibrium.
-const SHRINKS: f64 = 0.5;
 
 /// Starts a motion from rest. `released`: bonds have broken at an equilibrium; otherwise no
 /// equilibrium was found nearby. A `repeated` motion aims at steps half as long.
@@ -186,108 +179,6 @@ pub fn judge_length(
     }
 }
 
-/// Judge: is the motion at rest after the step, or has the specimen moved too far to find rest?
-pub fn judge_rest(
-    tables: SolvedTables,
-    analysis: Res<ClasticAnalysis>,
-    acceptance: Res<Acceptance>,
-    settings: Res<MotionSettings>,
-    mut attempt: ResMut<Attempt>,
-) {
-    let solved = tables.get();
-    let (grain, far) = furthest(solved).unwrap_or_default();
-    let Some(motion) = attempt.motion() else { return };
-    let Solved { bodies, program, solution, .. } = solved;
-    let is_free = motion.weight <= settings.min_weight;
-    // A step is solved loosely: forces with a residual beyond the bound are in no equilibrium.
-    let is_balanced = solution.residuals.worst() <= Sliding::bound(&acceptance);
-    let is_slow = (is_balanced
-        && motion.weight <= settings.rest_weight
-        && far <= motion.length * settings.max_travel_at_rest)
-        || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
-    let at_rest = is_slow && settles(solved, motion);
-    let travelled = motion.travelled + far;
-    let is_idle = at_rest && !motion.released && travelled <= min_travel(&acceptance, &settings);
-    if is_idle && attempt.is_proved {
-        // What moves in the proved mechanism is no grain, but a gate that nothing touches.
-        attempt.verdict = Verdict::GivesWay("the followed motion moves no grain".to_owned());
-        return;
-    }
-    let limit = travel_to_rest(solved, grain, travelled, &settings);
-    if at_rest || travelled <= limit {
-        attempt.verdict = if at_rest { Verdict::AtRest } else { Verdict::Moving };
-        // Another motion from here would move as little.
-        if is_idle {
-            attempt.motions = settings.max_motions;
-        }
-        return;
-    }
-    let most = moves_most(bodies, program, &solution.displacements);
-    let gives_way = format!(
-        "the motion under constant loads does not come to rest: its furthest grains travelled more \
-         than {limit:.0} radii in {} steps{}",
-        motion.steps + 1,
-        most.map_or(String::new(), |most| format!(" ({most})"))
-    );
-    let goes_on = has_step(&attempt, &acceptance, &settings) && may_fall(travelled, &settings);
-    attempt.verdict = match lost(solved, analysis.gravity, goes_on) {
-        Lost::Specimen => Verdict::GivesWay(gives_way),
-        Lost::Falling => Verdict::Moving,
-        Lost::Grains(grains) => {
-            attempt.left = grains;
-            Verdict::AtRest
-        }
-    };
-}
-
-/// Travel in which a motion has to come to rest, radii, where `grain` moves furthest. What hangs, as a rigid
-/// group or by bonds, may turn by half a turn, and what lies in a bowl may roll through half of it.
-fn travel_to_rest(solved: Solved, grain: usize, travelled: f64, settings: &MotionSettings) -> f64 {
-    let bodies = solved.bodies;
-    let within =
-        |extent: f64| settings.travel_to_rest + std::f64::consts::PI * extent / bodies.mean_radius;
-    let of_groups = bodies.groups.iter().map(|group| group.extent).fold(0.0, f64::max);
-    if travelled <= within(of_groups) {
-        return within(of_groups);
-    }
-    let touched = solved.contacts.0.iter().filter(|contact| contact.a as usize == grain);
-    let bowls = touched.filter_map(|contact| centre_of_curve(bodies, contact));
-    let of_bowls = bowls.map(DVec2::length).fold(0.0, f64::max);
-    within(of_groups.max(of_bowls).max(tether(bodies, grain)))
-}
-
-/// Maximum distance between a particle of the fragment of `grain` and the first one of it that is held or
-/// bonded to a wall, m; 0 without such a one.
-fn tether(bodies: &BodyTable, grain: usize) -> f64 {
-    let fragments = fragments(bodies);
-    let members = || (0..bodies.particles).filter(|i| fragments[*i] == fragments[grain]);
-    let is_on_wall =
-        |bond: &BondRow, i: usize| bond.a as usize == i && bond.b as usize >= bodies.particles;
-    let holds =
-        |i: &usize| is_imposed(bodies, *i) || bodies.bonds.iter().any(|bond| is_on_wall(bond, *i));
-    let from = members().find(holds).map(|i| bodies.positions[i]);
-    from.map_or(0.0, |from| {
-        members().map(|i| bodies.positions[i].distance(from)).fold(0.0, f64::max)
-    })
-}
-
-/// Whether the steps of the bodies that carry load shrink, so that they lead to an equilibrium. Past a
-/// limit load they are small too, but grow: an arch that snaps through has a long way before it. Where
-/// contacts slide steps follow no geometric series.
-fn settles(solved: Solved, motion: &Motion) -> bool {
-    let Solved { bodies, program, solution, .. } = solved;
-    let step = loaded_step(solved);
-    motion.released
-        || step <= ending::NO_MOTION * bodies.mean_radius
-        || step <= SHRINKS * motion.step
-        || !ending::is_elastic(program, solution, &carrying(solution))
-}
-
-/// Maximum motion of a body that carries load, m.
-fn loaded_step(solved: Solved) -> f64 {
-    ending::Motion::of(solved, &carrying(solved.solution), true).size()
-}
-
 /// Repeats the step in a shorter time.
 pub fn shorten(world: &mut World) {
     let solved = world.resource::<ConeSolution>().status == SolveStatus::Solved;
@@ -312,7 +203,7 @@ fn count_step(attempt: &mut Attempt) {
 pub(crate) fn take_step(world: &mut World) {
     let solved = Solved::of(world);
     let far = furthest(solved).map_or(0.0, |(_, far)| far);
-    let step = loaded_step(solved);
+    let step = rest::loaded_step(solved);
     let displacements = solved.solution.displacements.clone();
     move_tables(world);
     forget_pairs(world);
