@@ -22,9 +22,7 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{BodyTable, BondRow, Contact};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{
-    AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures, Sliding,
-};
+use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures};
 use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress};
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
