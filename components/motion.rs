@@ -39,6 +39,8 @@ pub struct Motion {
     pub travelled: f64,
     /// Travel of the furthest grain in the last step over its dt; 0 if the motion starts from rest.
     pub speed: f64,
+    /// Maximum motion of a body that carries load in the last step, m.
+    pub step: f64,
     /// Number of steps so far.
     pub steps: u32,
     /// Number of consecutive rejected steps.

@@ -52,7 +52,11 @@ pub(crate) fn relative_masses(bodies: &BodyTable) -> Vec<[f64; 2]> {
 pub fn shorten(motion: &mut Motion, too_far: Option<f64>, settings: &MotionSettings) {
     motion.failures += 1;
     let ratio = match too_far {
-        Some(far) => stretch(motion, far, settings).min(settings.max_shortened),
+        // Where inertia hardly counts, a slightly shorter step has the same travel.
+        Some(far) => {
+            let at_most = settings.max_shortened.powi(motion.failures as i32);
+            stretch(motion, far, settings).min(at_most)
+        }
         // The only information on the motion is that the step has no solution.
         None => settings.min_ratio,
     };

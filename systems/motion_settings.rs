@@ -17,8 +17,9 @@ pub struct MotionSettings {
     ///
     /// 150: five times [`travel_to_rest`](Self::travel_to_rest).
     pub max_travel: f64,
-    /// Maximum travel of one motion, radii: the sum over its steps, to which half a turn of the largest
-    /// rigid group is added. A motion beyond it does not come to rest.
+    /// Maximum travel of one motion, radii: the sum over its steps. Half a turn of what hangs, as a rigid
+    /// group or by bonds on a support, and half of a bowl are added. A motion beyond it does not come to
+    /// rest.
     ///
     /// 30: a grain that has passed fifteen others; no study.
     pub travel_to_rest: f64,
@@ -82,7 +83,8 @@ pub struct MotionSettings {
     ///
     /// 10: a hundredth of the weight; no study.
     pub max_ratio: f64,
-    /// Maximum factor between the times of a step that went too far and of its repetition.
+    /// Maximum factor between the times of a step that went too far and of its repetition; after each
+    /// further rejection in a row its square, its cube and so on.
     ///
     /// 0.7: halves a travel that forces cause; no study.
     pub max_shortened: f64,

@@ -147,7 +147,7 @@ pub(crate) fn of_pairs(solved: Solved, normal: impl Fn(usize) -> DVec2) -> PairT
 
 /// Vector from a particle to the centre of the circle of the wall that it touches, m; `None` where
 /// the wall is straight.
-fn centre_of_curve(bodies: &BodyTable, contact: &Contact) -> Option<DVec2> {
+pub(crate) fn centre_of_curve(bodies: &BodyTable, contact: &Contact) -> Option<DVec2> {
     let wall = bodies.wall(contact.b).filter(|wall| !wall.is_line())?;
     let to_wall = bodies.positions[contact.b as usize] - bodies.positions[contact.a as usize];
     match wall.nearest(to_wall, DVec2::ZERO).curve {

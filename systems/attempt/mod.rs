@@ -16,6 +16,7 @@ pub mod coulomb;
 pub mod loose_grains;
 pub mod motion;
 pub mod next;
+pub mod rest;
 mod run;
 mod slip;
 pub mod through_walls;
@@ -81,7 +82,7 @@ impl Plugin for AttemptPlugin {
                     closing_mechanism::judge.run_if(impossible),
                     loose_grains::judge.run_if(impossible),
                     through_walls::judge.run_if(in_motion),
-                    motion::judge_rest.run_if(in_motion),
+                    rest::judge.run_if(in_motion),
                     push_out::judge.run_if(in_equilibrium),
                     reached::judge.run_if(has_restitution).run_if(in_equilibrium),
                     through_walls::judge.run_if(in_equilibrium),

@@ -22,19 +22,17 @@ use clastic_components::attempt::{Attempt, Mode, Verdict};
 use clastic_components::contact::{BodyTable, BondRow, Contact};
 use clastic_components::contact_history::DraftHistory;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{
-    AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures, Sliding,
-};
+use clastic_components::findings::{AddedPairs, Centre, Corrections, Pushed, Reached, Ruptures};
 use clastic_components::increment::{Acceptance, ClasticAnalysis, ClasticProgress};
 use clastic_components::motion::Motion;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 
-use super::loose_grains::{Lost, lost, may_fall};
+use super::rest;
 use super::slip::follow_slip;
 use crate::contact_laws::Laws;
 use crate::kinetic_damping;
 use crate::motion_settings::MotionSettings;
-use crate::places::{digits, moves_most, near};
+use crate::places::{digits, near};
 use crate::rupture::bonds::{BuiltInRule, Met, find_ruptures, most_yielding, release};
 use crate::solved::{Solved, SolvedTables};
 use crate::travel::furthest;
@@ -66,7 +64,7 @@ fn shown_stiffness(world: &World) -> f64 {
 }
 
 /// Minimum travel of a motion, in radii of a grain: with less, the motion moves nothing.
-fn min_travel(acceptance: &Acceptance, settings: &MotionSettings) -> f64 {
+pub(super) fn min_travel(acceptance: &Acceptance, settings: &MotionSettings) -> f64 {
     settings.min_travel * acceptance.turn
 }
 
@@ -179,61 +177,6 @@ pub fn judge_length(
     }
 }
 
-/// Judge: is the motion at rest after the step, or has the specimen moved too far to find rest?
-pub fn judge_rest(
-    tables: SolvedTables,
-    analysis: Res<ClasticAnalysis>,
-    acceptance: Res<Acceptance>,
-    settings: Res<MotionSettings>,
-    mut attempt: ResMut<Attempt>,
-) {
-    let solved = tables.get();
-    let far = furthest(solved).map_or(0.0, |(_, far)| far);
-    let Some(motion) = attempt.motion() else { return };
-    let Solved { bodies, program, solution, .. } = solved;
-    let is_free = motion.weight <= settings.min_weight;
-    // A step is solved loosely: forces with a residual beyond the bound are in no equilibrium.
-    let is_balanced = solution.residuals.worst() <= Sliding::bound(&acceptance);
-    let at_rest = (is_balanced
-        && motion.weight <= settings.rest_weight
-        && far <= motion.length * settings.max_travel_at_rest)
-        || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
-    let travelled = motion.travelled + far;
-    let is_idle = at_rest && !motion.released && travelled <= min_travel(&acceptance, &settings);
-    if is_idle && attempt.is_proved {
-        // What moves in the proved mechanism is no grain, but a gate that nothing touches.
-        attempt.verdict = Verdict::GivesWay("the followed motion moves no grain".to_owned());
-        return;
-    }
-    // What hangs may turn by half a turn.
-    let extent = bodies.groups.iter().map(|group| group.extent).fold(0.0, f64::max);
-    let limit = settings.travel_to_rest + std::f64::consts::PI * extent / bodies.mean_radius;
-    if at_rest || travelled <= limit {
-        attempt.verdict = if at_rest { Verdict::AtRest } else { Verdict::Moving };
-        // Another motion from here would move as little.
-        if is_idle {
-            attempt.motions = settings.max_motions;
-        }
-        return;
-    }
-    let most = moves_most(bodies, program, &solution.displacements);
-    let gives_way = format!(
-        "the motion under constant loads does not come to rest: its furthest grains travelled more \
-         than {limit:.0} radii in {} steps{}",
-        motion.steps + 1,
-        most.map_or(String::new(), |most| format!(" ({most})"))
-    );
-    let goes_on = has_step(&attempt, &acceptance, &settings) && may_fall(travelled, &settings);
-    attempt.verdict = match lost(solved, analysis.gravity, goes_on) {
-        Lost::Specimen => Verdict::GivesWay(gives_way),
-        Lost::Falling => Verdict::Moving,
-        Lost::Grains(grains) => {
-            attempt.left = grains;
-            Verdict::AtRest
-        }
-    };
-}
-
 /// Repeats the step in a shorter time.
 pub fn shorten(world: &mut World) {
     let solved = world.resource::<ConeSolution>().status == SolveStatus::Solved;
@@ -258,6 +201,7 @@ fn count_step(attempt: &mut Attempt) {
 pub(crate) fn take_step(world: &mut World) {
     let solved = Solved::of(world);
     let far = furthest(solved).map_or(0.0, |(_, far)| far);
+    let step = rest::loaded_step(solved);
     let displacements = solved.solution.displacements.clone();
     move_tables(world);
     forget_pairs(world);
@@ -267,6 +211,7 @@ pub(crate) fn take_step(world: &mut World) {
     attempt.is_driven |= attempt.motion().is_some_and(|motion| !motion.released);
     if let Mode::Motion(motion) = &mut attempt.mode {
         kinetic_damping::carry_on(motion, &displacements, far, &settings);
+        motion.step = step;
     }
     world.resource_mut::<BodyTable>().drives_stopped = true;
 }

@@ -52,7 +52,7 @@ const MAX_IMBALANCE_OF_SLIDING: f64 = 5e-2;
 /// Maximum idle motion over the motion of the increment.
 const MAX_IDLE_MOTION: f64 = 1e-3;
 /// Motion, mean radii, that is no error whatever the motion of the increment is.
-const NO_MOTION: f64 = 1e-6;
+pub(crate) const NO_MOTION: f64 = 1e-6;
 /// Stretch of a bond by the maximum force over the motion of the increment, below which the specimen
 /// moves almost as rigid bodies.
 const FREE: f64 = 1e-3;
@@ -256,7 +256,7 @@ impl Tables<'_> {
 
 /// The motion of the bodies that carry load. The motion of a loose grain depends on the weight that
 /// regularises it, and is no motion of the specimen.
-struct Motion {
+pub(crate) struct Motion {
     /// Whether a body carries load.
     loaded: Vec<bool>,
     /// Displacements, m and rad, by body in its own axes; zero without load.
@@ -266,7 +266,7 @@ struct Motion {
 }
 
 impl Motion {
-    fn of(
+    pub(crate) fn of(
         Solved { bodies, program, solution, .. }: Solved,
         counts: &[bool],
         is_static: bool,
@@ -288,6 +288,11 @@ impl Motion {
     /// Displacements of the bodies that carry load, zero for others.
     fn of_loaded(&self, u: &[[f64; 3]]) -> Vec<[f64; 3]> {
         u.iter().zip(&self.loaded).map(|(u, loaded)| if *loaded { *u } else { [0.0; 3] }).collect()
+    }
+
+    /// Maximum motion of a body, m.
+    pub(crate) fn size(&self) -> f64 {
+        largest(&self.own, self.radius)
     }
 
     /// What another pass would move, and its growth from pass to pass. After a pass it is what the
@@ -317,11 +322,7 @@ impl Motion {
     fn over_own(&self, idle: &[[f64; 3]], growth: f64) -> f64 {
         let all = if growth < 1.0 { (growth / (1.0 - growth)).max(1.0) } else { f64::INFINITY };
         let size = if idle.is_empty() { f64::INFINITY } else { largest(idle, self.radius) };
-        if size <= NO_MOTION * self.radius {
-            0.0
-        } else {
-            all * size / largest(&self.own, self.radius)
-        }
+        if size <= NO_MOTION * self.radius { 0.0 } else { all * size / self.size() }
     }
 
     /// A guess of all displacements; for bodies without load those of the solution.
@@ -332,7 +333,7 @@ impl Motion {
 }
 
 /// Whether the end alone determines the forces: no contact that carries load slides.
-fn is_elastic(program: &ConeProgram, solution: &ConeSolution, counts: &[bool]) -> bool {
+pub(crate) fn is_elastic(program: &ConeProgram, solution: &ConeSolution, counts: &[bool]) -> bool {
     let mut forces = program.interactions.iter().zip(&solution.forces).zip(counts);
     !forces.any(|((c, f), counts)| *counts && !c.limits.has_strength() && c.limits.slides(f))
 }

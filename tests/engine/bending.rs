@@ -46,3 +46,55 @@ fn a_cantilever_that_bends_far_does_not_collapse_whatever_the_increments() {
         assert_relative(-tip, sinks, 1e-3);
     }
 }
+
+/// Two bars, each a bond of the length L_0 and the stiffness k from a held disk at (±b, 0) to one at (0, h),
+/// which carries the load P. At the height y the bars have the length L = sqrt(b^2 + y^2), and
+///
+/// ```text
+/// P(y) = 2 k (L_0/L - 1) y,      maximum where L^3 = L_0 b^2
+/// ```
+///
+/// Just above the maximum the steps of the motion are small at first, and "undecided" was the verdict.
+#[test]
+fn two_bars_snap_through_just_above_their_limit_load() {
+    let (b, k) = (1.0_f64, 1.0e7);
+    for h in [0.1_f64, 0.3, 1.0] {
+        let rest = b.hypot(h);
+        let load = |y: f64| 2.0 * k * (rest / b.hypot(y) - 1.0) * y;
+        let highest = (rest * b * b).cbrt();
+        let limit = load((highest * highest - b * b).sqrt());
+        for (factor, increments) in
+            [1.0003, 1.003, 1.01, 1.03].into_iter().flat_map(|f| [(f, 1), (f, 3), (f, 10)])
+        {
+            let (mut low, mut high) = (-2.0 * h - b, -h);
+            for _ in 0..100 {
+                let middle = 0.5 * (low + high);
+                let is_above = load(middle) > factor * limit;
+                *(if is_above { &mut low } else { &mut high }) = middle;
+            }
+            let scene = parse(&format!(
+                "(version: 1, title: \"two bars\",
+                  materials: {{ \"bar\": (bond: (normal_stiffness: {k:e}, tangential_stiffness: {k:e},
+                      cohesion: 1.0e12, tensile_strength: 1.0e12)) }},
+                  specimen: Particles([
+                      (position: ({:?}, 0.0), radius: {:?}),
+                      (position: (0.0, {h:?}), radius: {:?}, probe: \"top\"),
+                      (position: ({b:?}, 0.0), radius: {:?})]),
+                  stages: [
+                      Cement(name: \"bond\", length: 1.0e-6),
+                      Load(name: \"load\", increments: {increments}, particles: [
+                          (select: Index([0, 2]), x: Held, y: Held),
+                          (select: Index([1]), force: (0.0, {:?}))])])",
+                -b,
+                0.5 * rest,
+                0.5 * rest,
+                0.5 * rest,
+                -factor * limit
+            ));
+            let (records, outcome) = run(&scene);
+            assert_eq!(outcome, Outcome::Completed, "{h} {factor} {increments}");
+            let top = probe(records.last().unwrap(), "top").motion[1];
+            assert_relative(h + top, low, 1e-5);
+        }
+    }
+}

@@ -140,6 +140,40 @@ fn a_long_bar_hangs_below_its_pivot() {
     assert_within(found.y, -1.2, 1e-9);
 }
 
+/// Chains of bonds that fall from an arch upward, and a disk in a wide bowl, travel by more than 30 radii and were
+/// "collapsed": what is tied to a support, or lies in a bowl, comes to rest.
+#[test]
+fn what_hangs_comes_to_rest_however_far_it_falls() {
+    let (r, n) = (0.05, 31_u32);
+    let step = 0.9 * std::f64::consts::PI / f64::from(n - 1);
+    let arch: Vec<[f64; 3]> = (0..n)
+        .map(|i| {
+            let angle = step * f64::from(i) - 0.45 * std::f64::consts::PI;
+            let [x, y] = [angle.sin(), angle.cos()].map(|x| x * r / (0.5 * step).sin());
+            [x, y, r]
+        })
+        .collect();
+    let bond = "bond: (normal_stiffness: 1.0e9, tangential_stiffness: 1.0e9, cohesion: 1.0e12, \
+        tensile_strength: 1.0e12)";
+    let stages = "Cement(name: \"bond\", length: 1.0e-6), Load(name: \"hang\", increments: 1,
+        particles: [(select: Index([0]), x: Held, y: Held, rotation: Held)])";
+    let found = at_rest(&arch, bond, "", stages);
+    let below = found[n as usize - 1] - found[0];
+    // The first contact may lie anywhere on the disk that is held.
+    assert!(below.x.abs() < 0.01 * r && -below.y > 2.0 * r * f64::from(n - 2), "{below}");
+
+    let (radius, disk) = (1.5, 0.01);
+    let [x, y] = around(radius - disk, 1.2);
+    let bowl = "start: (-1.5, 0.0), end: (1.5, 0.0), shape: Arc(through: (0.0, -1.5))";
+    for friction in ["friction: 0.0", "friction: 0.5"] {
+        let wall = format!("(name: \"bowl\", {bowl}, contact: ({friction}))");
+        let contact = format!("contact: ({friction})");
+        let found =
+            at_rest(&[[x, y, disk]], &contact, &wall, "Load(name: \"rest\", increments: 1)");
+        assert_within(found[0].x, 0.0, 1e-7);
+    }
+}
+
 /// A small part of the load on a stiff chain was "collapsed, with proof": bonds that it stretched by less
 /// than 1e-9 of their length had no geometric stiffness. The rest has its shape whatever the stiffness.
 #[test]
