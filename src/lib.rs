@@ -37,6 +37,7 @@
 
 pub use clastic_components as components;
 pub use clastic_cone as cone;
+pub use clastic_reference as reference;
 pub use clastic_systems as systems;
 
 #[cfg(feature = "cli")]

@@ -18,12 +18,12 @@ use clastic::components::contact::BodyTable;
 use clastic::components::findings::Sliding;
 use clastic::components::increment::{Acceptance, ClasticAnalysis, FrictionLaw};
 use clastic::cone::certificate::{certificate, proves};
-use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::Condensed;
 use clastic::cone::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, Scales, SolveStatus,
 };
 use clastic::cone::residuals::residuals;
+use clastic::reference::Clarabel;
 use clastic::systems::solve_program::{Solver, solve_program};
 use glam::DVec2;
 use rand_chacha::ChaCha8Rng;
@@ -175,9 +175,9 @@ fn solve(program: &ConeProgram, solver: Solver) -> ConeSolution {
 
 /// How both solvers end on a program, checked against what they returned.
 fn try_program(program: &ConeProgram) -> [ConeSolution; 2] {
-    let solvers = [Solver::default(), Solver(Box::new(Clarabel::default()))];
-    solvers.map(|solver| {
-        let name = solver.0.name();
+    let reference = Solver(Box::new(Clarabel::default()));
+    let solvers = [("Condensed", Solver::default()), ("Clarabel", reference)];
+    solvers.map(|(name, solver)| {
         let begun = Instant::now();
         let solution = solve(program, solver);
         assert!(begun.elapsed() <= LONGEST, "{name} took {:?}", begun.elapsed());

@@ -5,12 +5,11 @@
 //! program and is left out; their difference is the floor below which errors mean nothing.
 
 use crate::chart::{Chart, Line};
-use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::{Condensed, CondensedSettings};
-use clastic::cone::polish::PolishSettings;
 use clastic::cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic::cone::residuals::residuals;
 use clastic::cone::solver::ConeSolver;
+use clastic::reference::{Clarabel, PolishSettings};
 
 use crate::accuracy::{Errors, errors};
 use crate::capture::{Captured, Moment, capture};

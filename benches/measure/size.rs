@@ -4,6 +4,7 @@ use crate::chart::{Chart, Line};
 use clastic::components::contact::BodyTable;
 use clastic::components::observation::{Observation, Timings};
 use clastic::cone::program::ConeProgram;
+use clastic::reference;
 use clastic::run::{Simulation, Step};
 
 use crate::clock::{middle, time};
@@ -71,7 +72,7 @@ pub fn run(scenes: &Scenes, extent: Extent) -> Result<Part, BenchError> {
         table.rows.push(vec![
             disks.into(),
             program.interactions.len().into(),
-            program.size().forces.into(),
+            reference::size(program).forces.into(),
             setup.into(),
             first.into(),
             increment.into(),

@@ -6,6 +6,7 @@ use std::path::Path;
 use clastic::cone::program::ConeProgram;
 use clastic::output::read_history::History;
 use clastic::output::{OutputError, directory, timings};
+use clastic::reference;
 use clastic::scene::LoadedScene;
 use clastic::scene::format::{Load, Particle, Specimen, Stage, WallControl};
 
@@ -190,7 +191,7 @@ fn measure(loaded: &LoadedScene, scratch: &Path) -> Result<(Vec<Cell>, Vec<f64>)
         last.iter().flatten().sum::<f64>() / last.len().max(1) as f64
     };
     let program = simulation.world().resource::<ConeProgram>();
-    let size = program.size();
+    let size = reference::size(program);
     let cells = vec![
         program.bodies.len().into(),
         program.interactions.len().into(),

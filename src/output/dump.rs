@@ -3,8 +3,8 @@
 use bevy_ecs::prelude::*;
 
 use clastic_components::observation::Observation;
-use clastic_cone::dump::to_json;
 use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_reference::dump::to_json;
 
 use super::run_directory::RunDirectory;
 use super::{OutputError, directory};

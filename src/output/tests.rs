@@ -4,10 +4,10 @@ use std::error::Error;
 use std::fs;
 use std::path::Path;
 
-use clastic_cone::clarabel::Clarabel;
-use clastic_cone::dump::from_json;
 use clastic_cone::program::SolveStatus;
 use clastic_cone::solver::ConeSolver;
+use clastic_reference::Clarabel;
+use clastic_reference::dump::from_json;
 
 use super::*;
 use crate::run::key_results::Results;

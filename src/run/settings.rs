@@ -4,8 +4,8 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::increment as inc;
 use clastic_components::material::{Material, Materials};
-use clastic_cone::clarabel::Clarabel;
 use clastic_cone::condensed::{Condensed, CondensedSettings};
+use clastic_reference::Clarabel;
 use clastic_systems::solve_program::Solver;
 
 use super::laws::{bond_law, contact_law};

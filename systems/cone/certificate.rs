@@ -29,13 +29,7 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
         }
     }
     let size = |u: &[f64; 3]| u[0].abs().max(u[1].abs()).max(length * u[2].abs());
-    let maximum = u.iter().map(size).fold(0.0, f64::max);
-    if !(maximum > 0.0 && maximum.is_finite()) {
-        return None;
-    }
-    for x in u.as_flattened_mut() {
-        *x /= maximum;
-    }
+    let u = over_maximum(&u, size)?;
     let (mut work, mut works, mut moved) = (0.0, 0.0, 0.0);
     for (body, u) in program.bodies.iter().zip(&u) {
         for (k, free) in body.free() {
@@ -66,6 +60,13 @@ pub fn certificate(program: &ConeProgram, mechanism: &[[f64; 3]]) -> Option<Cert
     })
 }
 
+/// The rows over the maximum of their sizes; `None` if it is zero or not finite.
+fn over_maximum(rows: &[[f64; 3]], size: impl Fn(&[f64; 3]) -> f64) -> Option<Vec<[f64; 3]>> {
+    let maximum = rows.iter().map(size).fold(0.0, f64::max);
+    let is_sound = maximum > 0.0 && maximum.is_finite();
+    is_sound.then(|| rows.iter().map(|row| row.map(|x| x / maximum)).collect())
+}
+
 /// Minimum work per unit of force, over the length scale, that proves rigid bodies to be forced
 /// into each other: an overlap above round-off.
 const MIN_OVERLAP: f64 = 1e-9;
@@ -78,11 +79,7 @@ const MIN_OVERLAP: f64 = 1e-9;
 pub fn locks(program: &ConeProgram, forces: &[[f64; 3]]) -> bool {
     let length = program.scales.length;
     let size = |f: &[f64; 3]| f[0].abs().max(f[1].abs()).max(f[2].abs() / length);
-    let maximum = forces.iter().map(size).fold(0.0, f64::max);
-    if !(maximum > 0.0 && maximum.is_finite()) {
-        return false;
-    }
-    let forces: Vec<[f64; 3]> = forces.iter().map(|f| f.map(|f| f / maximum)).collect();
+    let Some(forces) = over_maximum(forces, size) else { return false };
     let mut rows = vec![[0.0; 3]; program.bodies.len()];
     program.add_forces(&forces, &mut rows);
     let known = program.imposed();

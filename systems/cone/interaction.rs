@@ -72,7 +72,7 @@ impl Limits {
 
     /// Whether `p >= -f_t` needs a row of its own. The two rolling rows imply it; so do the two
     /// shear rows of a cohesionless, frictional contact without tension.
-    pub(crate) fn has_tension_row(&self) -> bool {
+    pub fn has_tension_row(&self) -> bool {
         !(self.has_rolling()
             || (self.friction > 0.0 && self.cohesion == 0.0 && self.tension == 0.0))
     }

@@ -2,8 +2,17 @@
 //!
 //! A [`solver`] reads a [`program::ConeProgram`] and returns a [`program::ConeSolution`], whose
 //! status says how the solve ended. [`residuals`] and [`certificate`] are computed from the forces
-//! and displacements alone and check that status. A [`dump`] holds a program and its solution as
-//! JSON.
+//! and displacements alone and check that status.
+//!
+//! To find the algorithm, read
+//!
+//! 1. [`program`]: the problem;
+//! 2. [`condensed`]: the order in which methods are tried on it;
+//! 3. [`condensed::interior`]: the method that decides every program: embedding, step and test; and
+//!    its `local_system`, by which the forces are eliminated;
+//! 4. [`condensed::matrix`]: the linear system that is left, and its factorisation;
+//! 5. [`coulomb`]: the same under Coulomb's law;
+//! 6. [`residuals`] and [`certificate`]: what counts as a solution and as a proof.
 //!
 //! ```
 //! use clastic_cone::condensed::Condensed;
@@ -37,12 +46,9 @@
 
 pub mod adjacency;
 pub mod certificate;
-pub mod clarabel;
 pub mod condensed;
 pub mod coulomb;
-pub mod dump;
 mod interaction;
-pub mod polish;
 pub mod program;
 pub mod residuals;
 pub mod solver;

@@ -283,35 +283,6 @@ impl ConeProgram {
     fn free(&self) -> impl Iterator<Item = &FreeDof> {
         self.bodies.iter().flat_map(|body| body.free().map(|(_, free)| free))
     }
-
-    /// Number of force variables, balance rows and limit rows that a solver needs.
-    pub fn size(&self) -> ProgramSize {
-        let limits = || self.interactions.iter().map(|c| &c.limits);
-        let rows = |l: &Limits| {
-            2 * usize::from(l.has_shear())
-                + 2 * usize::from(l.has_rolling())
-                + usize::from(l.has_tension_row())
-        };
-        ProgramSize {
-            forces: limits().flat_map(Limits::forces).filter(|has| *has).count(),
-            inertias: self.free().filter(|f| f.inertia + f.proximal > 0.0).count(),
-            balance_rows: self.free().count(),
-            limit_rows: limits().map(rows).sum(),
-        }
-    }
-}
-
-/// Size of a [`ConeProgram`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ProgramSize {
-    /// Variables p, q, tau.
-    pub forces: usize,
-    /// Variables t, r: degrees of freedom with inertia or regularisation.
-    pub inertias: usize,
-    /// Balance rows: free degrees of freedom.
-    pub balance_rows: usize,
-    /// Limit rows.
-    pub limit_rows: usize,
 }
 
 /// How a solve ended.

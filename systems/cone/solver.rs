@@ -14,9 +14,6 @@ pub struct MalformedProgram(pub String);
 /// A solver may keep data between calls. A solution may depend on them within the solver's
 /// tolerance only, and the data on which its last bits depend are its [`memory`](Self::memory).
 pub trait ConeSolver: Send + Sync {
-    /// Name for the record.
-    fn name(&self) -> &'static str;
-
     /// Solves the program under the associated law. The solver may stop at the residual
     /// `tolerance`, or at its own default if that is larger; 0 asks for the default. Every ending of
     /// a well-formed program is a [`ConeSolution`].

@@ -56,7 +56,7 @@ fn scale_rest(part: &mut f64, factor: f64) {
 /// All fields of the condensed solver.
 pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
     let mut fields = fields![CondensedSettings:
-        tolerance, safety, margin, large, max_start, warm_product,
+        tolerance, safety, margin, large, max_start,
         newton.max_iterations, newton.tiny_step, newton.max_tiny_steps, newton.damping,
         newton.max_slope, newton.max_evaluations,
         local.short_step, local.share, local.rings, local.max_bodies, local.max_interactions,
@@ -64,7 +64,7 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         local.newton.max_tiny_steps, local.newton.damping, local.newton.max_slope,
         local.newton.max_evaluations,
         interior.max_iterations, interior.max_start_force, interior.start,
-        interior.proximal, interior.min_proximal,
+        interior.warm_product, interior.proximal, interior.min_proximal,
         interior.min_compliance, interior.product_weight, interior.near, interior.slow,
         interior.patience, interior.progress, interior.max_decisions, interior.decided,
     ];

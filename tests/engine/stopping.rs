@@ -92,10 +92,6 @@ fn an_app_stops_at_a_collapse_and_goes_on_under_a_load_that_can_be_carried() {
 struct Helpless;
 
 impl ConeSolver for Helpless {
-    fn name(&self) -> &'static str {
-        "helpless"
-    }
-
     fn solve(&mut self, program: &ConeProgram, _: f64) -> Result<ConeSolution, MalformedProgram> {
         Ok(ConeSolution {
             forces: vec![[0.0; 3]; program.interactions.len()],

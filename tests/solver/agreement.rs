@@ -1,11 +1,11 @@
 //! Random programs of every kind: the two solvers agree on them, and no solution proves a collapse.
 
 use clastic::cone::certificate::{certificate, locks, proves};
-use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::{Condensed, CondensedSettings};
 use clastic::cone::program::{ConeProgram, ConeSolution, Dof, SolveStatus};
 use clastic::cone::residuals::{displacement_scale, force_scale, regularised_residuals, residuals};
 use clastic::cone::solver::ConeSolver;
+use clastic::reference::Clarabel;
 use clastic::run::Simulation;
 
 use crate::common::programs::{KINDS, Kind, RESIDUAL, SPRUNG_WHEELS, WHEELS, programs, solve};

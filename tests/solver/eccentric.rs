@@ -1,15 +1,15 @@
 //! Interactions whose normal does not pass through the reference points of their bodies: the
 //! coefficients against the motion of the points in contact, and closed forms.
 
-use clastic::cone::clarabel::Clarabel;
 use clastic::cone::condensed::Condensed;
 use clastic::cone::coulomb::{Coulomb, Goal};
-use clastic::cone::dump::{from_json, to_json};
 use clastic::cone::program::{
     ConeProgram, ConeSolution, Dof, FreeDof, Interaction, Limits, ProgramBody, Scales, SolveStatus,
 };
 use clastic::cone::residuals::{natural_map, residuals};
 use clastic::cone::solver::ConeSolver;
+use clastic::reference::Clarabel;
+use clastic::reference::dump::{from_json, to_json};
 use glam::DVec2;
 
 use crate::common::programs::{KINDS, programs, solve};

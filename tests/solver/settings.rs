@@ -41,10 +41,6 @@ struct Recorder {
 }
 
 impl ConeSolver for Recorder {
-    fn name(&self) -> &'static str {
-        self.inner.name()
-    }
-
     fn solve(
         &mut self,
         program: &ConeProgram,

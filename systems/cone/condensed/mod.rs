@@ -64,10 +64,6 @@ impl Condensed {
 }
 
 impl ConeSolver for Condensed {
-    fn name(&self) -> &'static str {
-        "Condensed"
-    }
-
     fn solve(
         &mut self,
         program: &ConeProgram,
@@ -166,7 +162,10 @@ impl Condensed {
         }
         let mut posed = Posed::new(program, &self.settings, &mut self.matrix, demand);
         if let Some(swept) = swept {
-            let solution = posed.interior_after(&swept);
+            // The program is dynamic: no proof of a collapse is sought.
+            let start = posed.in_units(&swept.displacements);
+            let forces = forces_in_units(program, &swept.forces);
+            let solution = posed.interior(&start, Some(&forces), false, "interior after sweeps");
             if solution.status == SolveStatus::Solved {
                 return solution;
             }
@@ -186,7 +185,8 @@ impl Condensed {
             start.fill([0.0; 3]);
             forces = Some(forces_in_units(program, &program.last_forces));
         }
-        posed.interior(&start, forces.as_deref())
+        let seeks_proofs = posed.needs_proofs();
+        posed.interior(&start, forces.as_deref(), seeks_proofs, "interior")
     }
 }
 

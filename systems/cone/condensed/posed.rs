@@ -2,12 +2,12 @@
 //! Newton iteration and the interior point.
 
 use super::ROUND_OFF;
-use super::interior::{self, Goal, Interior, Judge, Warm};
+use super::interior::{self, Goal, Interior, Judge};
 use super::local;
 use super::matrix::BodyMatrix;
 use super::newton::Newton;
 use super::parallel::in_pool;
-use super::scaled::{Scaled, forces_in_units};
+use super::scaled::Scaled;
 use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
 use crate::certificate::{certificate, locks, proves};
 use crate::program::{Certificate, ConeProgram, ConeSolution, Residuals, SolveStatus};
@@ -112,25 +112,17 @@ impl<'a> Posed<'a> {
         (result, solution)
     }
 
-    /// The interior point from a point after sweeps, to the first solution. Such a program is dynamic:
-    /// no proof of a collapse is sought.
-    pub(crate) fn interior_after(&mut self, swept: &ConeSolution) -> ConeSolution {
-        let start = self.in_units(&swept.displacements);
-        let forces = forces_in_units(self.units.program, &swept.forces);
-        self.interior_to(&start, Some(&forces), false, "interior after sweeps")
+    /// Whether the program may have no solution. In statics tau also leads away from a start with the
+    /// wrong limits.
+    pub(crate) fn needs_proofs(&self) -> bool {
+        let Units { program, is_held, is_elastic, .. } = self.units;
+        !(is_held && is_elastic && program.is_dynamic())
     }
 
     /// The interior point from displacements and forces, which follow from the displacements if there
     /// are none: solved, collapsed, locked, or stalled at the limit of arithmetic. An exact solution
     /// of a small program decides of every limit whether it is active.
-    pub fn interior(&mut self, start: &[[f64; 3]], forces: Option<&[[f64; 3]]>) -> ConeSolution {
-        let Units { program, is_held, is_elastic, .. } = self.units;
-        // In statics tau also leads away from a start with the wrong limits.
-        let seeks_proofs = !(is_held && is_elastic && program.is_dynamic());
-        self.interior_to(start, forces, seeks_proofs, "interior")
-    }
-
-    fn interior_to(
+    pub(crate) fn interior(
         &mut self,
         start: &[[f64; 3]],
         forces: Option<&[[f64; 3]]>,
@@ -146,9 +138,8 @@ impl<'a> Posed<'a> {
             in_middle: is_rigid_plastic(units.program),
             seeks_proofs,
         };
-        let warm = forces.map(|forces| Warm { forces, product: settings.warm_product });
         let (end, point) = in_pool(matrix.is_shared(), || {
-            interior::solve(scaled, matrix, start, warm, &settings.interior, goal, units)
+            interior::solve(scaled, matrix, start, forces, &settings.interior, goal, units)
         });
         self.iterations += point.iterations;
         let mut found = units.solution(&point.u, &point.s, message);

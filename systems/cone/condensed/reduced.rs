@@ -5,7 +5,7 @@
 //! its trial onto its limits. The free bodies and their neighbours remain, so that a few grains
 //! that settle in a large specimen cost as much as a few grains.
 
-use crate::program::{ConeProgram, ConeSolution, Dof, Interaction, ProgramCell};
+use crate::program::{Certificate, ConeProgram, ConeSolution, Dof, Interaction, ProgramCell};
 
 use super::scaled::Scaled;
 use super::spring::{Elastic, RollingSpring};
@@ -69,10 +69,13 @@ impl Reduced {
 
     /// The solution of the whole program that follows from a solution of the reduced one.
     pub fn expand(&self, program: &ConeProgram, part: ConeSolution) -> ConeSolution {
-        let mut displacements = program.imposed();
-        for (u, &i) in part.displacements.iter().zip(&self.bodies) {
-            displacements[i] = *u;
-        }
+        let placed = |of_part: &[[f64; 3]], mut whole: Vec<[f64; 3]>| {
+            for (u, &i) in of_part.iter().zip(&self.bodies) {
+                whole[i] = *u;
+            }
+            whole
+        };
+        let displacements = placed(&part.displacements, program.imposed());
         let mut forces = vec![[0.0; 3]; program.interactions.len()];
         let mut left = self.interactions.iter().zip(&part.forces).peekable();
         for (k, c) in program.interactions.iter().enumerate() {
@@ -84,13 +87,9 @@ impl Reduced {
                 None => alone(program, c),
             };
         }
-        let certificate = part.certificate.map(|mut certificate| {
-            let mut mechanism = vec![[0.0; 3]; program.bodies.len()];
-            for (u, &i) in certificate.mechanism.iter().zip(&self.bodies) {
-                mechanism[i] = *u;
-            }
-            certificate.mechanism = mechanism;
-            certificate
+        let certificate = part.certificate.map(|certificate| {
+            let still = vec![[0.0; 3]; program.bodies.len()];
+            Certificate { mechanism: placed(&certificate.mechanism, still), ..certificate }
         });
         ConeSolution { forces, displacements, certificate, ..part }
     }

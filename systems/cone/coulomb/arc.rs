@@ -11,6 +11,7 @@ use super::Trial;
 use super::interior::boundary;
 use super::settings::ArcSettings;
 use super::system::{System, Vector};
+use crate::residuals::max_or_nan;
 
 /// tau at which the end of the path is reached to round-off.
 const MIN_TAU: f64 = 1e-14;
@@ -115,5 +116,5 @@ fn products(system: &System, z: &Vector, tangent: &Vector, step: &Vector) -> (f6
 /// Maximum relative change of a slack or multiplier; NaN if any is NaN.
 fn largest_change(system: &System, z: &Vector, step: &Vector) -> f64 {
     let changes = system.along(z, step).flatten().map(|(x, d)| (d / x).abs());
-    changes.fold(0.0, |m, x| if x <= m || m.is_nan() { m } else { x })
+    changes.fold(0.0, max_or_nan)
 }

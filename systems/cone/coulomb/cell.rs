@@ -1,7 +1,7 @@
 //! Coulomb's law of one interaction, its numbers at a point, and its part of the linear system.
 
 use super::super::condensed::interior::Variables;
-use super::super::condensed::scaled::Local;
+use super::super::condensed::scaled::{Arms, Local};
 
 /// Maximum number of limits of an interaction: one of p, two of q, two of tau.
 pub(crate) const LIMITS: usize = 5;
@@ -17,26 +17,31 @@ pub(crate) const LIMITS: usize = 5;
 /// w lambda = 0,   w >= 0,   lambda >= 0
 /// ```
 pub struct Cell {
-    pub local: Local,
-    pub dilation: f64,
+    local: Local,
+    dilation: f64,
     /// Usual compliances: a part of them regularises the matrix. They are no part of the law.
-    pub usual: [f64; 3],
+    usual: [f64; 3],
+    /// The matrix from kinematics to forces at the point of the last linearisation; it is not
+    /// symmetric.
+    pub stiffness: [[f64; 3]; 3],
+    /// Multiplier over slack of every limit there.
+    theta: [f64; LIMITS],
 }
 
 /// The entries of an interaction in a point, a step or a residual. In a residual they are the
 /// defects of stationarity, of the limits and of the products.
 pub type Entry = Variables<3, LIMITS>;
 
-/// The part of an interaction in the linear system at a point.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Linear {
-    /// The matrix from kinematics to forces; it is not symmetric.
-    pub stiffness: [[f64; 3]; 3],
-    /// Multiplier over slack of every limit.
-    theta: [f64; LIMITS],
-}
-
 impl Cell {
+    pub fn new(local: Local, dilation: f64, usual: [f64; 3]) -> Self {
+        Self { local, dilation, usual, stiffness: [[0.0; 3]; 3], theta: [0.0; LIMITS] }
+    }
+
+    /// Its bodies and their rows.
+    pub fn arms(&self) -> &Arms<3> {
+        &self.local.arms
+    }
+
     /// The numbers of its limits.
     pub(crate) fn each_limit(&self) -> impl Iterator<Item = usize> {
         (0..LIMITS).filter(|q| self.local.has[q.div_ceil(2)])
@@ -109,10 +114,10 @@ impl Cell {
         r
     }
 
-    /// Derivative of the forces by the kinematics at a point, with slacks and multipliers
-    /// eliminated, and with this part of the usual compliances added.
+    /// Sets the stiffness to the derivative of the forces by the kinematics at a point, with slacks
+    /// and multipliers eliminated, and with this part of the usual compliances added.
     #[inline]
-    pub(crate) fn linearise(&self, x: &Entry, regularisation: f64) -> Linear {
+    pub(crate) fn linearise(&mut self, x: &Entry, regularisation: f64) {
         let soft = self.usual.map(|c| regularisation * c);
         let mut theta = [0.0; LIMITS];
         for q in self.each_limit() {
@@ -143,7 +148,7 @@ impl Cell {
             }
             stiffness[f][f] += own[f];
         }
-        Linear { stiffness, theta }
+        (self.stiffness, self.theta) = (stiffness, theta);
     }
 
     /// Steps of the multipliers if the forces do not change, and the kinematics that would cause
@@ -160,21 +165,21 @@ impl Cell {
 
     /// Steps of the forces that cancel the residual if no body moves.
     #[inline]
-    pub(crate) fn forces_at_rest(&self, linear: &Linear, x: &Entry, r: &Entry) -> [f64; 3] {
-        times(&linear.stiffness, &self.asked(x, r).1)
+    pub(crate) fn forces_at_rest(&self, x: &Entry, r: &Entry) -> [f64; 3] {
+        times(&self.stiffness, &self.asked(x, r).1)
     }
 
     /// Steps of forces, slacks and multipliers that cancel the residual, for steps `e` of the
     /// kinematics.
     #[inline]
-    pub fn step(&self, linear: &Linear, x: &Entry, r: &Entry, e: &[f64; 3]) -> Entry {
+    pub fn step(&self, x: &Entry, r: &Entry, e: &[f64; 3]) -> Entry {
         let (h, asked) = self.asked(x, r);
-        let s = times(&linear.stiffness, &[0, 1, 2].map(|f| asked[f] + e[f]));
+        let s = times(&self.stiffness, &[0, 1, 2].map(|f| asked[f] + e[f]));
         let taken = self.of_limits(&s);
         let mut out = Entry { s, ..Entry::default() };
         for q in self.each_limit() {
             out.w[q] = -r.w[q] - taken[q];
-            out.lambda[q] = h[q] + linear.theta[q] * taken[q];
+            out.lambda[q] = h[q] + self.theta[q] * taken[q];
         }
         out
     }
@@ -189,7 +194,6 @@ pub fn times(t: &[[f64; 3]; 3], e: &[f64; 3]) -> [f64; 3] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::condensed::scaled::Arms;
 
     fn cell(dilation: f64) -> Cell {
         let local = Local {
@@ -201,7 +205,7 @@ mod tests {
             slopes: [0.6, 0.25],
             strengths: [0.5, 1.5, 0.8],
         };
-        Cell { local, dilation, usual: [0.0; 3] }
+        Cell::new(local, dilation, [0.0; 3])
     }
 
     /// The residual as one row, of a point and kinematics as one row.
@@ -220,7 +224,7 @@ mod tests {
     #[test]
     fn steps_solve_the_linearised_law() {
         for dilation in [0.0, 0.5, 1.0] {
-            let cell = cell(dilation);
+            let mut cell = cell(dilation);
             let x = Entry {
                 s: [2.0, -0.9, 0.3],
                 w: [1.1, 0.3, 2.4, 0.7, 0.2],
@@ -228,9 +232,9 @@ mod tests {
             };
             let e = [0.15, -0.6, 0.35];
             let motion = [0.02, -0.05, 0.07];
-            let linear = cell.linearise(&x, 0.0);
+            cell.linearise(&x, 0.0);
             let r = cell.residual(&x, &e);
-            let step = cell.step(&linear, &x, &r, &motion);
+            let step = cell.step(&x, &r, &motion);
 
             let row = |s: &[f64; 3], w: &[f64; 5], l: &[f64; 5], e: &[f64; 3]| -> [f64; 16] {
                 let all = s.iter().chain(w).chain(l).chain(e);
@@ -259,7 +263,9 @@ mod tests {
             lambda: [0.05, 1.3, 0.02, 0.4, 0.9],
         };
         let asymmetry = |dilation: f64| {
-            let k = cell(dilation).linearise(&x, 0.0).stiffness;
+            let mut cell = cell(dilation);
+            cell.linearise(&x, 0.0);
+            let k = cell.stiffness;
             (0..3)
                 .flat_map(|f| (0..3).map(move |g| (f, g)))
                 .map(|(f, g)| (k[f][g] - k[g][f]).abs())

@@ -5,112 +5,73 @@
 //! `docs/decisions/001-solver-settings.md` has the effect of half and double of every field, and the
 //! evidence for those that name none.
 
+use crate::condensed::settings::settings;
+
+settings! {
 /// Settings of the solver of Coulomb's law.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombSettings {
     /// Products at the start of the interior-point iteration from the associated solution.
-    pub product: f64,
+    pub product: f64 = 1e-3,
     /// Products at the start of the interior-point iteration from forces of the law, those of the last
     /// solution or after sweeps, and at the end of an arc, as a share of the residual that these leave
     /// (decision 004).
-    pub share: f64,
+    pub share: f64 = 0.1,
     /// Maximum number of factorisations of the interior-point iteration.
-    pub max_iterations: u32,
+    pub max_iterations: u32 = 40,
     /// Products at the start of the first and of the second arc, in a fixed order: runs repeat.
-    pub arc_products: [f64; 2],
+    pub arc_products: [f64; 2] = [1e-1, 1e-3],
     /// Maximum number of factorisations of an arc.
-    pub max_arc: u32,
+    pub max_arc: u32 = 250,
     /// Maximum number of factorisations that sharpen the end of an arc.
-    pub max_sharpening: u32,
+    pub max_sharpening: u32 = 8,
     /// Natural map at which a solution is sharp, over the tolerance. A sharp solution ends the
     /// iteration. 1e-3: the products are then a thousandth of what the tolerance allows.
-    pub sharp: f64,
+    pub sharp: f64 = 1e-3,
     /// Factor by which an iteration must lower the residual for another one to follow once the
     /// program is solved, and [`patience`](CoulombInteriorSettings::patience) iterations before.
-    pub progress: f64,
+    pub progress: f64 = 0.5,
     /// Defect of a linear solve, over its right side, that needs no refinement.
-    pub refined: f64,
+    pub refined: f64 = 1e-10,
     /// Interior-point iteration.
-    pub interior: CoulombInteriorSettings,
+    pub interior: CoulombInteriorSettings = CoulombInteriorSettings::default(),
     /// Path by arc length.
-    pub arc: ArcSettings,
-}
-
-impl Default for CoulombSettings {
-    fn default() -> Self {
-        Self {
-            product: 1e-3,
-            share: 0.1,
-            max_iterations: 40,
-            arc_products: [1e-1, 1e-3],
-            max_arc: 250,
-            max_sharpening: 8,
-            sharp: 1e-3,
-            progress: 0.5,
-            refined: 1e-10,
-            interior: CoulombInteriorSettings::default(),
-            arc: ArcSettings::default(),
-        }
-    }
+    pub arc: ArcSettings = ArcSettings::default(),
 }
 
 /// Settings of the interior-point iteration for Coulomb's law.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoulombInteriorSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
     /// 1e-8: with 1e-10 `poured_bin` takes 13 % more iterations.
-    pub regularisation: f64,
+    pub regularisation: f64 = 1e-8,
     /// Length below which a step is short, as a fraction of the step to the target.
-    pub short_step: f64,
+    pub short_step: f64 = 0.05,
     /// Number of short steps in a row that ends the iteration.
-    pub max_short_steps: u32,
+    pub max_short_steps: u32 = 3,
     /// Number of iterations in which the best residual must fall by
     /// [`progress`](CoulombSettings::progress).
-    pub patience: usize,
+    pub patience: usize = 10,
     /// Length of the last step below which the next one goes back to the path first: its target is
     /// at least [`min_centring`](Self::min_centring) times the mean product.
-    pub centring_step: f64,
+    pub centring_step: f64 = 0.2,
     /// Minimum target after such a step, over the mean product; at most 1.
-    pub min_centring: f64,
-}
-
-impl Default for CoulombInteriorSettings {
-    fn default() -> Self {
-        Self {
-            regularisation: 1e-8,
-            short_step: 0.05,
-            max_short_steps: 3,
-            patience: 10,
-            centring_step: 0.2,
-            min_centring: 0.8,
-        }
-    }
+    pub min_centring: f64 = 0.8,
 }
 
 /// Settings of the path by arc length. A *predictor* is a step along the tangent of the path, a
 /// *correction* a step back to the path, and tau the parameter of the path.
-#[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ArcSettings {
     /// Compliance that regularises the matrix, over the usual compliance of the interaction.
     /// 1e-10: with 1e-8 `hopper` takes 4 % more iterations, `rotating_drum_small` with a tolerance of
     /// 1e-3 20 % more, `poured_bin` 7 % fewer.
-    pub regularisation: f64,
+    pub regularisation: f64 = 1e-10,
     /// Relative change of slacks and multipliers by a correction below which the point is on the
     /// path. 0.3: with half and double `poured_bin` takes 13 and 17 % more iterations.
-    pub close: f64,
+    pub close: f64 = 0.3,
     /// Part of the way to the boundary that a step takes.
-    pub reach: f64,
+    pub reach: f64 = 0.9,
     /// Factor that shortens a predictor whose corrections do not lead to the path.
-    pub shortening: f64,
+    pub shortening: f64 = 0.3,
     /// Ratio of the lengths of two corrections above which they diverge.
-    pub divergence: f64,
+    pub divergence: f64 = 2.0,
 }
-
-impl Default for ArcSettings {
-    fn default() -> Self {
-        Self { regularisation: 1e-10, close: 0.3, reach: 0.9, shortening: 0.3, divergence: 2.0 }
-    }
 }

@@ -6,7 +6,7 @@ use crate::program::{ConeProgram, Interaction, SlidingLaw};
 use super::super::condensed::interior::max_magnitude;
 use super::super::condensed::matrix::UnsymmetricMatrix;
 use super::super::condensed::scaled::{Local, Scaled, add_times};
-use super::cell::{Cell, Entry, Linear, times};
+use super::cell::{Cell, Entry, times};
 use super::settings::CoulombSettings;
 
 /// A point, a step, or a residual: displacements (in a residual the balance) by place, and the
@@ -47,7 +47,6 @@ pub struct System<'a> {
     pub factorisations: u32,
     /// Regularisation of the matrix, as a part of the usual compliances.
     pub regularisation: f64,
-    linear: Vec<Linear>,
     refined: f64,
 }
 
@@ -66,15 +65,12 @@ impl<'a> System<'a> {
             own if own > 0.0 => [own; 3],
             _ => [typical; 3],
         };
-        let cell = |(local, c): (&Local, &Interaction)| Cell {
-            local: local.clone(),
-            dilation: SlidingLaw::Coulomb.dilation(c),
-            usual: usual(local),
+        let cell = |(local, c): (&Local, &Interaction)| {
+            Cell::new(local.clone(), SlidingLaw::Coulomb.dilation(c), usual(local))
         };
         let cells: Vec<Cell> = scaled.locals.iter().zip(&program.interactions).map(cell).collect();
         Self {
             limits: cells.iter().flat_map(Cell::each_limit).count().max(1) as f64,
-            linear: vec![Linear::default(); cells.len()],
             program: scaled,
             cells,
             units: program.scales.units(),
@@ -98,7 +94,7 @@ impl<'a> System<'a> {
         let cells = self.cells.iter().zip(s);
         let mut u = u[..self.program.free.len()].to_vec();
         self.program.images.extend(&mut u);
-        let cells = cells.map(|(cell, s)| cell.near(*s, &cell.local.arms.kinematics(&u), product));
+        let cells = cells.map(|(cell, s)| cell.near(*s, &cell.arms().kinematics(&u), product));
         Vector { cells: cells.collect(), u }
     }
 
@@ -107,8 +103,8 @@ impl<'a> System<'a> {
         let mut out = Vector::zeros(z);
         self.program.balance_of_bodies(&z.u, &mut out.u);
         for ((cell, x), r) in self.cells.iter().zip(&z.cells).zip(&mut out.cells) {
-            cell.local.arms.add_forces(&x.s, 1.0, &mut out.u);
-            *r = cell.residual(x, &cell.local.arms.kinematics(&z.u));
+            cell.arms().add_forces(&x.s, 1.0, &mut out.u);
+            *r = cell.residual(x, &cell.arms().kinematics(&z.u));
         }
         self.program.images.fold(&mut out.u);
         out
@@ -119,10 +115,9 @@ impl<'a> System<'a> {
         self.matrix.clear();
         let mut values = self.matrix.assembly();
         values.add_weights(&self.program, 0.0);
-        let cells = self.cells.iter().zip(&z.cells).zip(&mut self.linear);
-        for (k, ((cell, x), linear)) in cells.enumerate() {
-            *linear = cell.linearise(x, self.regularisation);
-            values.add(k, &cell.local.arms.rows, &linear.stiffness);
+        for (k, (cell, x)) in self.cells.iter_mut().zip(&z.cells).enumerate() {
+            cell.linearise(x, self.regularisation);
+            values.add(k, &cell.arms().rows, &cell.stiffness);
         }
         self.factorisations += 1;
         self.matrix.factorise()
@@ -131,18 +126,14 @@ impl<'a> System<'a> {
     /// The step `dz` with `J dz = -r`, for the derivative J that was factorised at `z`.
     pub fn solve(&mut self, z: &Vector, r: &Vector) -> Vector {
         let mut right: Vec<[f64; 3]> = r.u.iter().map(|b| b.map(|x| -x)).collect();
-        let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
-        for ((cell, linear), (x, r)) in cells {
-            let s = cell.forces_at_rest(linear, x, r);
-            cell.local.arms.add_forces(&s, -1.0, &mut right);
+        for (cell, (x, r)) in self.cells.iter().zip(z.cells.iter().zip(&r.cells)) {
+            cell.arms().add_forces(&cell.forces_at_rest(x, r), -1.0, &mut right);
         }
         self.program.images.fold(&mut right);
         self.program.clear_fixed(&mut right);
         let du = self.solve_bodies(right);
-        let cells = self.cells.iter().zip(&self.linear).zip(z.cells.iter().zip(&r.cells));
-        let kinematics = |cell: &Cell| cell.local.arms.kinematics(&du);
-        let cells =
-            cells.map(|((cell, linear), (x, r))| cell.step(linear, x, r, &kinematics(cell)));
+        let cells = self.cells.iter().zip(z.cells.iter().zip(&r.cells));
+        let cells = cells.map(|(cell, (x, r))| cell.step(x, r, &cell.arms().kinematics(&du)));
         Vector { cells: cells.collect(), u: du }
     }
 
@@ -151,7 +142,7 @@ impl<'a> System<'a> {
         let mut x = right.clone();
         self.matrix.solve(&mut x);
         let scale = max_magnitude(&right);
-        let Self { program, cells, matrix, linear, refined, .. } = self;
+        let Self { program, cells, matrix, refined, .. } = self;
         let set = |x: &[[f64; 3]], defect: &mut [[f64; 3]]| {
             defect.copy_from_slice(&right);
             for ((d, weight), x) in defect.iter_mut().zip(&program.weight).zip(x) {
@@ -159,9 +150,9 @@ impl<'a> System<'a> {
                     d[k] -= weight[k] * x[k];
                 }
             }
-            for (cell, linear) in cells.iter().zip(&*linear) {
-                let s = times(&linear.stiffness, &cell.local.arms.kinematics(x));
-                cell.local.arms.add_forces(&s, -1.0, defect);
+            for cell in cells.iter() {
+                let s = times(&cell.stiffness, &cell.arms().kinematics(x));
+                cell.arms().add_forces(&s, -1.0, defect);
             }
         };
         matrix.refine(*refined * scale, &mut x, &mut right.clone(), set);

@@ -18,7 +18,7 @@
 mod units;
 
 use self::units::larger;
-pub(crate) use self::units::{Units, applied_force, min_force};
+pub(crate) use self::units::{Units, applied_force, max_or_nan, min_force};
 pub use self::units::{displacement_scale, force_scale};
 use crate::program::{
     ConeProgram, ConeSolution, Interaction, Kinematics, Residuals, SlidingLaw, SolveStatus,
@@ -179,9 +179,7 @@ pub fn natural_map(program: &ConeProgram, solution: &ConeSolution) -> f64 {
         }
         out
     };
-    // f64::max drops NaN.
-    let larger = |m: f64, x: f64| if x <= m || m.is_nan() { m } else { x };
-    interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, larger)
+    interactions.filter(|(c, _)| !c.limits.has_strength()).map(of).fold(0.0, max_or_nan)
 }
 
 /// Normal force, over the maximum force, below which an interaction carries none.

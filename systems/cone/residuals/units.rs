@@ -203,6 +203,11 @@ pub(super) fn larger(mut all: Residuals, other: Residuals) -> Residuals {
     all
 }
 
+/// The larger number; NaN if either is NaN, which `f64::max` would drop.
+pub(crate) fn max_or_nan(m: f64, x: f64) -> f64 {
+    if x <= m || m.is_nan() { m } else { x }
+}
+
 /// Raises a residual to a value; NaN stays NaN.
 fn worsen(residual: &mut f64, value: f64) {
     if residual.is_finite() && (value > *residual || !value.is_finite()) {

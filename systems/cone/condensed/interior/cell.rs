@@ -4,14 +4,12 @@
 //! Interactions of a kind therefore lie together, without room for forces and limits that the kind
 //! does not have.
 
-use std::ops::Add;
-
 use super::super::matrix::{Assembly, Cholesky};
 use super::super::scaled::{Local, ROWS, add_times, first};
 use super::super::settings::InteriorSettings;
 use super::law::{Law, Rows, Variables};
 use super::local_system::LocalSystem;
-use super::point::Warm;
+use super::sums::{Ahead, Gains, Sizes};
 
 /// One interaction.
 #[derive(Clone)]
@@ -89,117 +87,6 @@ impl Cells {
     }
 }
 
-/// Maxima over interactions: residuals of kinematics and limits, force, product; and sums. Two sets
-/// of interactions are added up.
-#[derive(Clone, Copy, Default)]
-pub struct Sizes {
-    pub kinematic: f64,
-    pub primal: f64,
-    pub force: f64,
-    pub product: f64,
-    /// Sum of the products.
-    pub products: f64,
-    /// The terms `l's`, `b'lambda` and `s'Cs` of the duality gap.
-    pub linear: f64,
-    pub strength: f64,
-    pub energy: f64,
-}
-
-impl Add for Sizes {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            kinematic: self.kinematic.max(other.kinematic),
-            primal: self.primal.max(other.primal),
-            force: self.force.max(other.force),
-            product: self.product.max(other.product),
-            products: self.products + other.products,
-            linear: self.linear + other.linear,
-            strength: self.strength + other.strength,
-            energy: self.energy + other.energy,
-        }
-    }
-}
-
-/// The length of a step to the boundary, and the products along it.
-#[derive(Clone, Copy)]
-pub struct Ahead {
-    /// Maximum length, at most 1, that leaves all slacks and multipliers positive.
-    pub length: f64,
-    /// Sum of products, and its derivatives by the length: first, and half the second.
-    products: [f64; 3],
-}
-
-impl Default for Ahead {
-    fn default() -> Self {
-        Self { length: 1.0, products: [0.0; 3] }
-    }
-}
-
-impl Add for Ahead {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        let products = [0, 1, 2].map(|k| self.products[k] + other.products[k]);
-        Self { length: self.length.min(other.length), products }
-    }
-}
-
-impl Ahead {
-    /// Takes a slack w and its multiplier lambda along with their steps.
-    #[inline]
-    pub fn take(&mut self, w: f64, lambda: f64, dw: f64, dlambda: f64) {
-        if w + self.length * dw < 0.0 {
-            self.length = -w / dw;
-        }
-        if lambda + self.length * dlambda < 0.0 {
-            self.length = -lambda / dlambda;
-        }
-        self.products[0] += w * lambda;
-        self.products[1] += w * dlambda + lambda * dw;
-        self.products[2] += dw * dlambda;
-    }
-
-    pub(crate) fn products_after(&self) -> f64 {
-        let [constant, linear, quadratic] = self.products;
-        (constant + self.length * (linear + self.length * quadratic)).max(0.0)
-    }
-
-    /// Shortens the step to where the sum of products has grown by the factor.
-    pub(crate) fn bound_growth(&mut self, factor: f64) {
-        let [constant, linear, quadratic] = self.products;
-        if self.products_after() > factor * constant && constant > 0.0 {
-            // The positive root of quadratic x^2 + linear x = (factor - 1) constant, without
-            // cancellation.
-            let right = (factor - 1.0) * constant;
-            let root = (linear * linear + 4.0 * quadratic * right).max(0.0).sqrt();
-            self.length = self.length.min(2.0 * right / (linear + root));
-        }
-    }
-}
-
-/// What the responses A and B say about tau: their gains, and the sum of squares in the
-/// denominator of its step.
-#[derive(Clone, Copy, Default)]
-pub(crate) struct Gains {
-    pub of_residuals: f64,
-    pub of_products: f64,
-    pub squares: f64,
-}
-
-impl Add for Gains {
-    type Output = Self;
-
-    fn add(self, other: Self) -> Self {
-        Self {
-            of_residuals: self.of_residuals + other.of_residuals,
-            of_products: self.of_products + other.of_products,
-            squares: self.squares + other.squares,
-        }
-    }
-}
-
 impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// Forces, slacks and multipliers near the elastic trial at the displacements.
     fn new(number: usize, local: &Local, u: &[[f64; 3]], settings: &InteriorSettings) -> Self {
@@ -249,9 +136,9 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
     /// Takes forces near the solution, with the multipliers of their stationarity. Slacks and
     /// multipliers are then shifted to equal products: `w - lambda` stays, `w lambda` is the
     /// product.
-    pub fn warm(&mut self, u: &[[f64; 3]], warm: Warm) {
+    pub fn warm(&mut self, u: &[[f64; 3]], forces: &[[f64; 3]], product: f64) {
         let Self { law, x, .. } = self;
-        x.s = first(&warm.forces[self.number]);
+        x.s = first(&forces[self.number]);
         let e = law.arms.kinematics(u);
         let left: [f64; F] =
             std::array::from_fn(|f| law.linear[f] + law.compliance[f] * x.s[f] - e[f]);
@@ -275,7 +162,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
         for q in 0..Q {
             let left = law.right[q] - law.limit(q, &x.s);
-            x.set(q, left - multipliers[q], warm.product);
+            x.set(q, left - multipliers[q], product);
         }
     }
 

@@ -14,8 +14,9 @@ const NEAR: f64 = 1e4;
 const MAX_IDLE: usize = 3;
 
 /// Memory of earlier points.
-pub struct Ending<'a> {
+pub struct Ending<'a, J> {
     settings: &'a InteriorSettings,
+    judge: &'a J,
     goal: Goal,
     iterations: u32,
     /// The point with the minimum residual.
@@ -30,10 +31,11 @@ pub struct Ending<'a> {
     idle: usize,
 }
 
-impl<'a> Ending<'a> {
-    pub fn new(program: &Scaled, settings: &'a InteriorSettings, goal: Goal) -> Self {
+impl<'a, J: Judge> Ending<'a, J> {
+    pub fn new(program: &Scaled, settings: &'a InteriorSettings, goal: Goal, judge: &'a J) -> Self {
         Self {
             settings,
+            judge,
             goal,
             iterations: 0,
             best: Interior::of(program),
@@ -46,11 +48,7 @@ impl<'a> Ending<'a> {
     }
 
     /// Takes note of the current point. Returns how the method ends there; `None` if it goes on.
-    pub(crate) fn consider(
-        &mut self,
-        iteration: &mut Iteration,
-        judge: &impl Judge,
-    ) -> Option<SolveStatus> {
+    pub(crate) fn consider(&mut self, iteration: &mut Iteration) -> Option<SolveStatus> {
         if !iteration.is_finite() {
             return Some(self.limit());
         }
@@ -61,7 +59,7 @@ impl<'a> Ending<'a> {
         if merit < self.best.merit {
             self.idle = 0;
             iteration.store(&mut self.best);
-            if merit <= NEAR * self.goal.residual && judge.is_solution(&self.best) {
+            if merit <= NEAR * self.goal.residual && self.judge.is_solution(&self.best) {
                 self.solution = Some(self.best.clone());
             }
         }
@@ -70,7 +68,7 @@ impl<'a> Ending<'a> {
             return Some(SolveStatus::Solved);
         }
         if iteration.diverges()
-            && let Some(end) = self.proved(iteration, judge)
+            && let Some(end) = self.proved(iteration)
         {
             return Some(end);
         }
@@ -95,25 +93,20 @@ impl<'a> Ending<'a> {
     }
 
     /// Whether the point or its last step is a proof that the program has no solution.
-    fn proved(&mut self, iteration: &mut Iteration, judge: &impl Judge) -> Option<SolveStatus> {
+    fn proved(&mut self, iteration: &mut Iteration) -> Option<SolveStatus> {
         iteration.store(&mut self.proof);
-        let proof = judge.proof(&self.proof);
+        let proof = self.judge.proof(&self.proof);
         if proof.is_some() || self.iterations == 0 {
             return proof;
         }
         iteration.store_step(&mut self.proof);
-        judge.proof(&self.proof)
+        self.judge.proof(&self.proof)
     }
 
     /// Decides of every limit whether it is active, where that leads to a solution. A product says
     /// little of a limit that is just reached: slack and multiplier are both its root. Returns how the
     /// method ends.
-    pub fn decide(
-        &mut self,
-        iteration: &mut Iteration,
-        judge: &impl Judge,
-        size: f64,
-    ) -> SolveStatus {
+    pub fn decide(&mut self, iteration: &mut Iteration, size: f64) -> SolveStatus {
         // The method may have gone on to a worse point, or to none.
         if self.solution.is_none() || !(iteration.merit() <= self.best.merit) {
             iteration.restore(&self.best);
@@ -121,25 +114,19 @@ impl<'a> Ending<'a> {
         // Limits that are decided by less mislead where grains are loose: first the clear ones.
         let rest = self.settings.decided * size;
         for small in [size, rest] {
-            let Some(point) = self.decided(iteration, judge, small, rest) else { break };
+            let Some(point) = self.decided(iteration, small, rest) else { break };
             self.solution = Some(point);
         }
         self.limit()
     }
 
     /// The solution after the steps that leave no limit undecided by more than `small`.
-    fn decided(
-        &mut self,
-        iteration: &mut Iteration,
-        judge: &impl Judge,
-        small: f64,
-        rest: f64,
-    ) -> Option<Interior> {
+    fn decided(&mut self, iteration: &mut Iteration, small: f64, rest: f64) -> Option<Interior> {
         let mut point = self.best.clone();
         for left in (0..=self.settings.max_decisions).rev() {
             if iteration.undecided(small) == 0 {
                 iteration.store(&mut point);
-                if judge.is_solution(&point) {
+                if self.judge.is_solution(&point) {
                     return Some(point);
                 }
             }

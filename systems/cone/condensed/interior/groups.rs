@@ -10,7 +10,7 @@ use super::super::matrix::{Assembly, BodyMatrix, Cholesky};
 use super::super::parallel::{in_parallel, split};
 use super::super::scaled::Scaled;
 use super::super::settings::InteriorSettings;
-use super::cell::{Cells, for_each};
+use super::cell::Cells;
 use super::law::Rows;
 
 /// Interactions by branch.
@@ -42,13 +42,6 @@ impl Groups {
             cells.push(number, local, u, settings);
         }
         Self { branches, bodies, rest }
-    }
-
-    /// Maximum normal force.
-    pub(crate) fn max_force(&mut self) -> f64 {
-        let mut maximum = 0.0_f64;
-        for_each!(cell in self => maximum = maximum.max(cell.x.s[0].abs()));
-        maximum
     }
 
     /// The interactions branch by branch, then the others.

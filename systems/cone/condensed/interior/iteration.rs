@@ -2,9 +2,10 @@
 
 use std::ops::Add as _;
 
-use super::cell::{Ahead, Gains, Sizes, for_each};
+use super::cell::for_each;
 use super::groups::Groups;
-use super::point::{Interior, Warm, max_magnitude, part_of_way};
+use super::point::{Interior, max_magnitude, part_of_way};
+use super::sums::{Ahead, Gains, Sizes};
 use crate::condensed::MIN_FORCE;
 use crate::condensed::matrix::BodyMatrix;
 use crate::condensed::scaled::{Local, Scaled, add_times};
@@ -90,16 +91,20 @@ impl<'a> Iteration<'a> {
         matrix: &'a mut BodyMatrix,
         settings: &'a InteriorSettings,
         start: &[[f64; 3]],
-        warm: Option<Warm>,
+        forces: Option<&[[f64; 3]]>,
         is_embedded: bool,
     ) -> Self {
         let mut u = program.with_known(start);
         let mut groups = Groups::new(program, matrix, &u, settings);
-        if let Some(warm) = warm {
-            for_each!(cell in groups => cell.warm(&u, warm));
-        } else if groups.max_force() > settings.max_start_force || max_magnitude(&u) > MAX_START {
-            u = program.with_known(&vec![[0.0; 3]; program.free.len()]);
-            groups = Groups::new(program, matrix, &u, settings);
+        if let Some(forces) = forces {
+            for_each!(cell in groups => cell.warm(&u, forces, settings.warm_product));
+        } else {
+            let mut force = 0.0_f64;
+            for_each!(cell in groups => force = force.max(cell.x.s[0].abs()));
+            if force > settings.max_start_force || max_magnitude(&u) > MAX_START {
+                u = program.with_known(&vec![[0.0; 3]; program.free.len()]);
+                groups = Groups::new(program, matrix, &u, settings);
+            }
         }
         let limits = program.locals.iter().flat_map(Local::limits).count();
         let zeros = vec![[0.0; 3]; program.places()];

@@ -2,7 +2,6 @@
 //! bodies.
 
 use super::super::scaled::{Arms, Local, first};
-use super::point::slack;
 
 /// Maximum number of pairs of limits.
 pub(crate) const MAX_PAIRS: usize = 2;
@@ -87,7 +86,12 @@ impl<const F: usize, const Q: usize> Variables<F, Q> {
     /// Sets slack and multiplier of a limit to this difference, `w - lambda`, and product.
     #[inline]
     pub fn set(&mut self, q: usize, difference: f64, product: f64) {
-        self.w[q] = slack(difference, product);
+        let root = difference.hypot(2.0 * product.sqrt());
+        self.w[q] = if difference > 0.0 {
+            0.5 * (difference + root)
+        } else {
+            2.0 * product / (root - difference)
+        };
         self.lambda[q] = product / self.w[q];
     }
 

@@ -51,11 +51,12 @@ mod iteration;
 mod law;
 mod local_system;
 mod point;
+mod sums;
 
 use self::ending::Ending;
 use self::iteration::Iteration;
 pub(crate) use self::law::Variables;
-pub use self::point::{Goal, Interior, Judge, Warm};
+pub use self::point::{Goal, Interior, Judge};
 pub(crate) use self::point::{max_magnitude, part_of_way};
 use super::matrix::BodyMatrix;
 use super::scaled::Scaled;
@@ -69,15 +70,15 @@ pub fn solve(
     program: &Scaled,
     matrix: &mut BodyMatrix,
     start: &[[f64; 3]],
-    warm: Option<Warm>,
+    forces: Option<&[[f64; 3]]>,
     settings: &InteriorSettings,
     goal: Goal,
     judge: &impl Judge,
 ) -> (SolveStatus, Interior) {
-    let mut iteration = Iteration::new(program, matrix, settings, start, warm, goal.seeks_proofs);
-    let mut ending = Ending::new(program, settings, goal);
+    let mut iteration = Iteration::new(program, matrix, settings, start, forces, goal.seeks_proofs);
+    let mut ending = Ending::new(program, settings, goal, judge);
     let end = loop {
-        if let Some(end) = ending.consider(&mut iteration, judge) {
+        if let Some(end) = ending.consider(&mut iteration) {
             break end;
         }
         iteration.assemble();
@@ -89,7 +90,7 @@ pub fn solve(
     let end = match (end, goal.decided) {
         (SolveStatus::Solved, _) if goal.in_middle => end,
         (SolveStatus::Solved | SolveStatus::Stalled, Some(size)) => {
-            ending.decide(&mut iteration, judge, size)
+            ending.decide(&mut iteration, size)
         }
         _ => end,
     };

@@ -2,6 +2,7 @@
 
 use crate::condensed::scaled::{ROWS, Scaled};
 use crate::program::SolveStatus;
+use crate::residuals::max_or_nan;
 
 /// An interior point.
 #[derive(Clone)]
@@ -54,23 +55,6 @@ pub struct Goal {
     pub seeks_proofs: bool,
 }
 
-/// Forces near the solution to start from.
-#[derive(Clone, Copy, Debug)]
-pub struct Warm<'a> {
-    /// Forces by interaction.
-    pub forces: &'a [[f64; 3]],
-    /// Products of slacks and multipliers at the start.
-    pub product: f64,
-}
-
-/// The slack w of a limit whose multiplier lambda has `w - lambda = difference` and
-/// `w lambda = product`.
-#[inline]
-pub fn slack(difference: f64, product: f64) -> f64 {
-    let root = difference.hypot(2.0 * product.sqrt());
-    if difference > 0.0 { 0.5 * (difference + root) } else { 2.0 * product / (root - difference) }
-}
-
 /// Part of the way to the boundary that a step takes at a mean product. Near a solution it may take
 /// nearly all of it: decision 001 has 0.99 and 0.9995.
 pub(crate) fn part_of_way(mean_product: f64) -> f64 {
@@ -79,6 +63,5 @@ pub(crate) fn part_of_way(mean_product: f64) -> f64 {
 
 /// Maximum magnitude; not a number if any of them is not.
 pub(crate) fn max_magnitude(rows: &[[f64; 3]]) -> f64 {
-    let larger = |m: f64, r: &f64| if r.abs() <= m || m.is_nan() { m } else { r.abs() };
-    rows.iter().flatten().fold(0.0, larger)
+    rows.iter().flatten().map(|r| r.abs()).fold(0.0, max_or_nan)
 }

@@ -5,10 +5,16 @@ use super::layout::PairPlace;
 use crate::condensed::images::Images;
 use crate::condensed::scaled::Scaled;
 
+/// Three rows of three numbers: what a body or a pair has in the matrix.
+pub type Block = [f64; 9];
+
+/// Places of the diagonal in the block of a body.
+pub(super) const DIAGONAL: [usize; 3] = [0, 4, 8];
+
 /// Values to add to: those of a branch, so that threads can add to several branches at once, or
 /// all.
 pub struct Assembly<'a, A: Arithmetic> {
-    pub(super) bodies: &'a mut [A::Body],
+    pub(super) bodies: &'a mut [Block],
     pub(super) pairs: &'a mut [A::Pair],
     /// Places of the first of these bodies and pairs among all.
     pub(super) first: [usize; 2],
@@ -21,7 +27,7 @@ impl<A: Arithmetic> Assembly<'_, A> {
     /// rotation.
     #[inline]
     pub fn add_diagonal(&mut self, body: usize, k: usize, value: f64) {
-        self.bodies[body - self.first[0]].as_mut()[A::DIAGONAL[k]] += value;
+        self.bodies[body - self.first[0]][DIAGONAL[k]] += value;
     }
 
     /// Adds the weights of a program and `extra` on free degrees of freedom, and 1 on fixed ones.
@@ -47,7 +53,7 @@ impl<A: Arithmetic> Assembly<'_, A> {
             return;
         }
         for (rows, body) in rows.iter().zip(self.places[pair].bodies) {
-            A::add_body(&mut self.bodies[body - self.first[0]], rows, d);
+            self.add_body(body, rows, d);
         }
         self.add_pair(pair, [&rows[0], &rows[1]], d);
     }
@@ -65,11 +71,16 @@ impl<A: Arithmetic> Assembly<'_, A> {
         let [a, b] = self.places[pair].bodies;
         let [_, cell] = self.places[with_cell].bodies;
         for (rows, body) in [(&rows[0], a), (&of_b, b), (&of_cell, cell)] {
-            A::add_body(&mut self.bodies[body - self.first[0]], rows, d);
+            self.add_body(body, rows, d);
         }
         self.add_pair(pair, [&rows[0], &of_b], d);
         self.add_pair(with_cell, [&rows[0], &of_cell], d);
         self.add_pair(with_cell + 1, [&of_b, &of_cell], d);
+    }
+
+    #[inline]
+    fn add_body<const F: usize>(&mut self, body: usize, rows: &[[f64; F]; 3], d: &[[f64; F]; F]) {
+        add_products(&mut self.bodies[body - self.first[0]], &times(rows, d), rows);
     }
 
     #[inline]
@@ -88,11 +99,11 @@ impl<A: Arithmetic> Assembly<'_, A> {
 /// Adds the scalar products of the rows of two bodies to a block, row by row of the first.
 #[inline]
 pub(crate) fn add_products<const F: usize>(
-    block: &mut [f64],
+    block: &mut Block,
     left: &[[f64; F]; 3],
     rows: &[[f64; F]; 3],
 ) {
-    for (left, values) in left.iter().zip(block.chunks_exact_mut(3)) {
+    for (left, values) in left.iter().zip(block.as_chunks_mut::<3>().0) {
         for (value, row) in values.iter_mut().zip(rows) {
             *value += dot(left, row);
         }
@@ -100,7 +111,7 @@ pub(crate) fn add_products<const F: usize>(
 }
 
 #[inline]
-pub fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
+fn dot<const F: usize>(x: &[f64; F], y: &[f64; F]) -> f64 {
     let mut sum = 0.0;
     for f in 0..F {
         sum += x[f] * y[f];

@@ -4,17 +4,12 @@ use std::ops::Range;
 
 use pulp::Simd;
 
-use super::assembly::{add_products, dot, times};
+use super::assembly::{Block, add_products, times};
 use super::dense::{self, LANES, Triangle};
 use super::factor::{Arithmetic, At, Values};
 use super::fronts::{Front, Fronts, Task};
 use super::packed;
 use super::share::{By, Share};
-
-/// Numbers in a block of the diagonal (its lower triangle by columns) and of a pair: three columns of
-/// the body that is eliminated first.
-const DIAGONAL: usize = 6;
-const PAIR: usize = 9;
 
 /// The factor of a task.
 pub struct Cholesky {
@@ -25,19 +20,8 @@ pub struct Cholesky {
 }
 
 impl Arithmetic for Cholesky {
-    type Body = [f64; DIAGONAL];
-    type Pair = [f64; PAIR];
-
-    const DIAGONAL: [usize; 3] = [0, 3, 5];
-
-    #[inline]
-    fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]) {
-        let left = times(rows, d);
-        for (k, (c, r)) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)].into_iter().enumerate()
-        {
-            block[k] += dot(&left[c], &rows[r]);
-        }
-    }
+    /// Three columns of the body that is eliminated first.
+    type Pair = Block;
 
     #[inline]
     fn add_pair<const F: usize>(
@@ -63,7 +47,7 @@ impl Arithmetic for Cholesky {
         &mut self,
         By(share, simd): By<impl Share, S>,
         at: At,
-        values: Values<Self::Body, Self::Pair>,
+        values: Values<Self::Pair>,
         update_of: impl Fn(usize) -> &'a [f64],
         update: &mut [f64],
         [panel, packed]: [&mut [f64]; 2],
@@ -72,7 +56,7 @@ impl Arithmetic for Cholesky {
         let (height, width) = (front.height(), front.width());
         panel.fill(0.0);
         for (k, block) in at.of_pivots(values.bodies).iter().enumerate() {
-            set_diagonal(panel, height, 3 * k, block);
+            dense::add_block(panel, height, 3 * k * height + 3 * k, block);
         }
         for ([column, row], block) in at.of_pairs(values.pairs) {
             let start = 3 * *column as usize * height + 3 * *row as usize;
@@ -115,15 +99,6 @@ impl Arithmetic for Cholesky {
         let (kept, triangles) =
             (&self.factor[front.factor.clone()], &self.triangles[front.pivots.clone()]);
         dense::backward(kept, front.bodies(), triangles, local);
-    }
-}
-
-#[inline(always)]
-fn set_diagonal(panel: &mut [f64], height: usize, pivot: usize, block: &[f64; DIAGONAL]) {
-    let columns = [&block[..3], &block[3..5], &block[5..]];
-    for (c, values) in columns.into_iter().enumerate() {
-        let start = (pivot + c) * height + pivot + c;
-        panel[start..start + values.len()].copy_from_slice(values);
     }
 }
 

@@ -12,6 +12,8 @@
 //! these instructions, since the order of every sum is fixed and fused multiplications are
 //! explicit. A machine without fused multiplication computes it in software, far more slowly.
 
+use super::assembly::Block;
+
 /// Rows are padded to a multiple of this, so that loops over them have no remainder.
 pub(crate) const LANES: usize = 4;
 
@@ -20,7 +22,7 @@ pub(crate) type Triangle = [f64; 6];
 
 /// Adds a block of three lines of three numbers, from `start` on; lines are `len` apart.
 #[inline(always)]
-pub(crate) fn add_block(numbers: &mut [f64], len: usize, start: usize, block: &[f64; 9]) {
+pub(crate) fn add_block(numbers: &mut [f64], len: usize, start: usize, block: &Block) {
     for (k, values) in block.as_chunks::<3>().0.iter().enumerate() {
         for (x, value) in numbers[start + k * len..][..3].iter_mut().zip(values) {
             *x += value;

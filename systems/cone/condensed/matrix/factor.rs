@@ -9,6 +9,7 @@ use std::mem::take;
 
 use pulp::{Arch, Simd, WithSimd};
 
+use super::assembly::Block;
 use super::dense::LANES;
 use super::fronts::{Front, Fronts, Task};
 use super::share::{By, Share, dispatch};
@@ -19,14 +20,8 @@ use crate::condensed::scaled::add_times;
 /// The factor of a task, and the arithmetic of its fronts. All functions are inlined into a caller
 /// that is compiled for the instructions of the machine.
 pub trait Arithmetic: Send + Sync {
-    /// Numbers of a body and of a pair in the matrix.
-    type Body: AsMut<[f64]> + Copy + Default + Send + Sync;
+    /// Numbers of a pair in the matrix.
     type Pair: Copy + Default + Send + Sync;
-    /// Places of the diagonal in the numbers of a body.
-    const DIAGONAL: [usize; 3];
-
-    /// Adds `G D G'` to the numbers of a body with the rows G.
-    fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]);
 
     /// Adds `G D G'` to the numbers of a pair with the rows G, those of the body that is eliminated
     /// first coming first.
@@ -48,7 +43,7 @@ pub trait Arithmetic: Send + Sync {
         &mut self,
         by: By<impl Share, S>,
         at: At,
-        values: Values<Self::Body, Self::Pair>,
+        values: Values<Self::Pair>,
         update_of: impl Fn(usize) -> &'a [f64],
         update: &mut [f64],
         room: [&mut [f64]; 2],
@@ -65,8 +60,8 @@ pub trait Arithmetic: Send + Sync {
 
 /// Values of the matrix: blocks of bodies in the order of elimination, and of pairs front by front.
 #[derive(Clone, Copy)]
-pub struct Values<'a, B, P> {
-    pub bodies: &'a [B],
+pub struct Values<'a, P> {
+    pub bodies: &'a [Block],
     pub pairs: &'a [P],
 }
 
@@ -89,7 +84,7 @@ impl<'a> At<'a> {
     }
 
     /// Blocks of its pivots.
-    pub(crate) fn of_pivots<B>(self, bodies: &[B]) -> &[B] {
+    pub(crate) fn of_pivots(self, bodies: &[Block]) -> &[Block] {
         &bodies[self.task.places.start..][self.front.pivots.clone()]
     }
 
@@ -170,7 +165,7 @@ impl<A: Arithmetic> Factor<A> {
     pub fn factorise(
         &mut self,
         fronts: &Fronts,
-        values: Values<A::Body, A::Pair>,
+        values: Values<A::Pair>,
         right: Option<&[[f64; 3]]>,
     ) -> bool {
         let Self { parts, memory, instructions } = self;
@@ -289,7 +284,7 @@ fn solve_front<A: Arithmetic>(factor: &A, at: At, work: &mut [[f64; 3]], local: 
 /// Factorisation of a task.
 struct Eliminate<'a, 'v, A: Arithmetic> {
     fronts: &'a Fronts,
-    values: Values<'v, A::Body, A::Pair>,
+    values: Values<'v, A::Pair>,
     part: &'a mut Part<A>,
     /// The other tasks of its subtrees.
     below: &'a [Part<A>],

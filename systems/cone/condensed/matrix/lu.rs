@@ -7,15 +7,12 @@
 
 use pulp::{Simd, WithSimd};
 
-use super::assembly::{add_products, times};
+use super::assembly::{Block, add_products, times};
 use super::dense::{LANES, add_block};
 use super::factor::{Arithmetic, At, Values};
 use super::fronts::{Front, Fronts, Task};
 use super::share::{By, Share, in_pieces};
 
-/// Numbers in the block of a body, row by row, and in each block of a pair: rows of the body that
-/// is eliminated first in columns of the other, then the transposed place.
-const BODY: usize = 9;
 /// A pivot stays on the diagonal if it is at least this part of the maximum of its column among the
 /// pivots of the front.
 const THRESHOLD: f64 = 0.1;
@@ -78,15 +75,8 @@ fn row_len(height: usize) -> usize {
 }
 
 impl Arithmetic for Lu {
-    type Body = [f64; BODY];
-    type Pair = [[f64; BODY]; 2];
-
-    const DIAGONAL: [usize; 3] = [0, 4, 8];
-
-    #[inline]
-    fn add_body<const F: usize>(block: &mut Self::Body, rows: &[[f64; F]; 3], d: &[[f64; F]; F]) {
-        add_products(block, &times(rows, d), rows);
-    }
+    /// Rows of the body that is eliminated first in columns of the other, then the transposed place.
+    type Pair = [Block; 2];
 
     #[inline]
     fn add_pair<const F: usize>(
@@ -119,7 +109,7 @@ impl Arithmetic for Lu {
         &mut self,
         By(share, simd): By<impl Share, S>,
         at: At,
-        values: Values<Self::Body, Self::Pair>,
+        values: Values<Self::Pair>,
         update_of: impl Fn(usize) -> &'a [f64],
         update: &mut [f64],
         [square, _]: [&mut [f64]; 2],

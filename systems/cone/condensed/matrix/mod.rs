@@ -22,6 +22,7 @@ mod tasks;
 use std::ops::Range;
 
 pub use self::assembly::Assembly;
+use self::assembly::{Block, DIAGONAL};
 pub(crate) use self::cholesky::Cholesky;
 use self::factor::{Arithmetic, Factor, Values};
 use self::fronts::Fronts;
@@ -49,7 +50,7 @@ pub struct Matrix<A: Arithmetic> {
     /// Places of the pairs, in the order given.
     places: Vec<PairPlace>,
     /// Blocks of bodies in the order of elimination, and of pairs front by front.
-    bodies: Vec<A::Body>,
+    bodies: Vec<Block>,
     pairs: Vec<A::Pair>,
     factor: Factor<A>,
     images: Images,
@@ -82,7 +83,7 @@ impl<A: Arithmetic> Matrix<A> {
         Self {
             given: pairs.to_vec(),
             places,
-            bodies: vec![A::Body::default(); bodies],
+            bodies: vec![Block::default(); bodies],
             pairs: vec![A::Pair::default(); pairs.len()],
             factor: Factor::new(&fronts),
             fronts,
@@ -145,7 +146,7 @@ impl<A: Arithmetic> Matrix<A> {
 
     /// Sets all values to zero.
     pub fn clear(&mut self) {
-        self.bodies.fill(A::Body::default());
+        self.bodies.fill(Block::default());
         self.pairs.fill(A::Pair::default());
     }
 
@@ -216,8 +217,7 @@ impl<A: Arithmetic> Matrix<A> {
 impl BodyMatrix {
     /// Maximum value on the diagonal.
     pub(crate) fn max_diagonal(&self) -> f64 {
-        let on_diagonal =
-            |block: &<Cholesky as Arithmetic>::Body| Cholesky::DIAGONAL.map(|k| block[k]);
+        let on_diagonal = |block: &Block| DIAGONAL.map(|k| block[k]);
         self.bodies.iter().flat_map(on_diagonal).fold(0.0, f64::max)
     }
 
@@ -242,7 +242,7 @@ impl BodyMatrix {
         while !self.factorise_and_solve(x) {
             let Some(shift) = shifts.next() else { return false };
             for block in &mut self.bodies {
-                for k in Cholesky::DIAGONAL {
+                for k in DIAGONAL {
                     block[k] += shift * maximum;
                 }
             }

@@ -1,158 +1,41 @@
-//! Clarabel, an interior-point solver for conic programs, behind [`ConeSolver`].
+//! A cone program as a quadratic program in standard form.
 //!
 //! In two dimensions |q| and |tau| are absolute values: the program is a QP (an LP where it is
-//! static and rigid) and its cones are half-lines. It goes to Clarabel as `min 1/2 x'Px + q'x, Ax +
-//! s = b`. The variables x are the forces and, for degrees of freedom with inertia w, `sqrt(w) u`.
-//! The balance rows (s = 0), whose multipliers are -u, come first, then the limits (s >= 0). All
-//! numbers are in units of the program's scales.
+//! static and rigid) and its cones are half-lines: `min 1/2 x'Px + q'x, Ax + s = b`. The variables x
+//! are the forces and, for degrees of freedom with inertia w, `sqrt(w) u`. The balance rows (s = 0),
+//! whose multipliers are -u, come first, then the limits (s >= 0). All numbers are in units of the
+//! program's scales.
 
 use clarabel::algebra::CscMatrix;
-use clarabel::solver::{
-    DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, SolverStatus, ZeroConeT,
-};
-
-use crate::program::{ConeProgram, ConeSolution, Interaction, SolveStatus};
-
-use super::certificate::{certificate, locks, proves};
-use super::polish::{Point, PolishSettings, polish};
-use super::solver::{ConeSolver, MalformedProgram};
-
-/// Clarabel with its settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Clarabel {
-    /// Tolerance on feasibility and gap, in scaled units.
-    pub tolerance: f64,
-    /// Cap on iterations.
-    pub max_iterations: u32,
-    /// Settings of the [polish](super::polish) of its solutions; `None` for no polish.
-    pub polish: Option<PolishSettings>,
-}
-
-impl Default for Clarabel {
-    fn default() -> Self {
-        Self { tolerance: 1e-10, max_iterations: 200, polish: Some(PolishSettings::default()) }
-    }
-}
-
-impl ConeSolver for Clarabel {
-    fn name(&self) -> &'static str {
-        "Clarabel"
-    }
-
-    fn solve(
-        &mut self,
-        program: &ConeProgram,
-        _tolerance: f64,
-    ) -> Result<ConeSolution, MalformedProgram> {
-        let low = lower(program);
-        if let Some((body, dof, load)) = low.unbalanced {
-            return Ok(lonely_collapse(program, body, dof, load));
-        }
-        if low.linear.is_empty() {
-            return Ok(ConeSolution {
-                status: SolveStatus::Solved,
-                displacements: program.imposed(),
-                ..Default::default()
-            });
-        }
-        let n = low.linear.len();
-        let p = CscMatrix::new(n, n, (0..=n).collect(), (0..n).collect(), low.quadratic.clone());
-        let limits = low.right.len() - low.balance_rows;
-        let cones = [ZeroConeT(low.balance_rows), NonnegativeConeT(limits)];
-        let settings = DefaultSettings {
-            verbose: false,
-            max_iter: self.max_iterations,
-            tol_feas: self.tolerance,
-            tol_gap_abs: self.tolerance,
-            tol_gap_rel: self.tolerance,
-            // Named, not "auto", so that a run does not depend on the features of the build.
-            direct_solve_method: "qdldl".into(),
-            max_threads: 1,
-            iterative_refinement_max_iter: 20,
-            iterative_refinement_reltol: 1e-14,
-            iterative_refinement_abstol: 1e-14,
-            presolve_enable: false,
-            ..DefaultSettings::default()
-        };
-        let mut solver =
-            DefaultSolver::new(&p, &low.linear, &low.matrix, &low.right, &cones, settings)
-                .map_err(|e| MalformedProgram(e.to_string()))?;
-        solver.solve();
-        let raw = &solver.solution;
-        let mut solution = ConeSolution {
-            forces: low.forces(program, &raw.x),
-            displacements: low.displacements(program, &raw.z),
-            iterations: raw.iterations,
-            message: format!("{:?}", raw.status),
-            ..Default::default()
-        };
-        match raw.status {
-            SolverStatus::Solved | SolverStatus::AlmostSolved => {
-                solution.status = SolveStatus::Solved;
-            }
-            SolverStatus::DualInfeasible | SolverStatus::AlmostDualInfeasible
-                if locks(program, &solution.forces) =>
-            {
-                solution.status = SolveStatus::Locked;
-                return Ok(solution);
-            }
-            // Clarabel may give up on an infeasible program: the mechanism is the proof.
-            _ => {
-                let mechanism = certificate(program, &solution.displacements).filter(proves);
-                if mechanism.is_some() {
-                    solution.status = SolveStatus::Collapsed;
-                    solution.certificate = mechanism;
-                    return Ok(solution);
-                }
-            }
-        }
-        if let Some(settings) = &self.polish {
-            let start = Point { x: raw.x.clone(), z: raw.z.clone() };
-            polish(program, &low, &start, settings, &mut solution);
-        }
-        Ok(solution)
-    }
-}
-
-/// The collapse of a degree of freedom with a load and without interactions.
-fn lonely_collapse(program: &ConeProgram, body: usize, dof: usize, load: f64) -> ConeSolution {
-    let mut mechanism = vec![[0.0; 3]; program.bodies.len()];
-    mechanism[body][dof] = load.signum();
-    ConeSolution {
-        status: SolveStatus::Collapsed,
-        certificate: certificate(program, &mechanism),
-        message: format!("body {body} carries a load and touches nothing"),
-        ..Default::default()
-    }
-}
+use clastic_cone::program::{ConeProgram, Interaction};
 
 /// The matrix with these rows, columns and values.
-pub(super) fn sparse(size: [usize; 2], entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
+pub(crate) fn sparse(size: [usize; 2], entries: &[(usize, usize, f64)]) -> CscMatrix<f64> {
     let (rows, columns, values) = entries.iter().copied().collect();
     CscMatrix::new_from_triplets(size[0], size[1], rows, columns, values)
 }
 
 /// `min 1/2 x' diag(P) x + q'x` subject to `A x + s = b`, `s = 0` on the balance rows and `s >= 0` on
 /// the others, with the places of rows and columns.
-pub(super) struct Lowered {
+pub(crate) struct Lowered {
     /// Diagonal of P.
-    pub(super) quadratic: Vec<f64>,
+    pub(crate) quadratic: Vec<f64>,
     /// q.
-    pub(super) linear: Vec<f64>,
+    pub(crate) linear: Vec<f64>,
     /// A.
-    pub(super) matrix: CscMatrix<f64>,
+    pub(crate) matrix: CscMatrix<f64>,
     /// b.
-    pub(super) right: Vec<f64>,
+    pub(crate) right: Vec<f64>,
     /// Balance row of every degree of freedom; `None` if it has none.
     rows: Vec<[Option<usize>; 3]>,
     /// First column of every interaction.
     columns: Vec<usize>,
-    pub(super) balance_rows: usize,
+    pub(crate) balance_rows: usize,
     /// A free degree of freedom with a load and without interactions: a collapse by itself.
-    unbalanced: Option<(usize, usize, f64)>,
+    pub(crate) unbalanced: Option<(usize, usize, f64)>,
 }
 
-pub(super) fn lower(program: &ConeProgram) -> Lowered {
+pub(crate) fn lower(program: &ConeProgram) -> Lowered {
     let mut low = Lowered {
         quadratic: Vec::new(),
         linear: Vec::new(),
@@ -279,7 +162,7 @@ impl Lowered {
     }
 
     /// The displacements that belong to multipliers.
-    pub(super) fn displacements(&self, program: &ConeProgram, z: &[f64]) -> Vec<[f64; 3]> {
+    pub(crate) fn displacements(&self, program: &ConeProgram, z: &[f64]) -> Vec<[f64; 3]> {
         let (du, _) = program.scales.units();
         let mut out = program.imposed();
         for (u, rows) in out.iter_mut().zip(&self.rows) {
@@ -293,7 +176,7 @@ impl Lowered {
     }
 
     /// The forces that belong to variables.
-    pub(super) fn forces(&self, program: &ConeProgram, x: &[f64]) -> Vec<[f64; 3]> {
+    pub(crate) fn forces(&self, program: &ConeProgram, x: &[f64]) -> Vec<[f64; 3]> {
         let (_, df) = program.scales.units();
         let of = |(c, &first): (&Interaction, &usize)| {
             let (shear, rolling) = (c.limits.has_shear(), c.limits.has_rolling());

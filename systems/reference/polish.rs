@@ -17,10 +17,10 @@
 
 use clarabel::algebra::CscMatrix;
 use clarabel::qdldl::{QDLDLFactorisation, QDLDLSettings};
+use clastic_cone::program::{ConeProgram, ConeSolution};
+use clastic_cone::residuals::regularised_residuals;
 
-use super::clarabel::{Lowered, sparse};
-use super::residuals::regularised_residuals;
-use crate::program::{ConeProgram, ConeSolution};
+use crate::standard_form::{Lowered, sparse};
 
 /// Defect that no refinement can lower: round-off of rows whose entries are of the order of 1.
 const ROUND_OFF: f64 = 1e-15;
@@ -54,13 +54,13 @@ impl Default for PolishSettings {
 
 /// A primal and dual point: the variables x and the multipliers of the rows.
 #[derive(Clone)]
-pub(super) struct Point {
-    pub(super) x: Vec<f64>,
-    pub(super) z: Vec<f64>,
+pub(crate) struct Point {
+    pub(crate) x: Vec<f64>,
+    pub(crate) z: Vec<f64>,
 }
 
 /// Polishes a solution until its residual is at its goal or the guess of the active limits stays.
-pub(super) fn polish(
+pub(crate) fn polish(
     program: &ConeProgram,
     low: &Lowered,
     start: &Point,

@@ -1,9 +1,10 @@
 //! A cone program and its solution as JSON, so that other solvers can check them.
 
+use clastic_cone::program::{
+    ConeProgram, ConeSolution, Interaction, ProgramBody, ProgramCell, Scales,
+};
 use serde::de::Error as _;
 use serde::{Deserialize, Serialize};
-
-use crate::program::{ConeProgram, ConeSolution, Interaction, ProgramBody, ProgramCell, Scales};
 
 /// The description of the convex program that every dump contains.
 pub const FORMAT: &str = "\
@@ -37,13 +38,13 @@ solution.displacements[i] = (first translation, second translation, rotation) to
 stands for a number that is not finite.";
 
 /// Addition to [`FORMAT`] for a program with a periodic cell.
-pub(crate) const OF_CELL: &str = " cell.body is the row of the body that stands for the deformation of a \
+const OF_CELL: &str = " cell.body is the row of the body that stands for the deformation of a \
 periodic cell: with its translations U along the global axes and its rotation T, body b of an \
 interaction with image = (x, y) moves by u_b + (x U_x + y cell.arm T, y U_y), and the transpose of \
 this gives the force on that body.";
 
 /// What is added to [`FORMAT`] for a program with elastic rolling moments.
-pub(crate) const OF_ROLLING: &str = " The objective has 1/2 C_R (tau - tau_0)^2 besides, with C_R = \
+const OF_ROLLING: &str = " The objective has 1/2 C_R (tau - tau_0)^2 besides, with C_R = \
 rolling_compliance and tau_0 = previous_moment, so that d_r = C_R (tau - tau_0) + l3 - l4; an \
 interaction without the two has C_R = tau_0 = 0.";
 
