@@ -47,7 +47,7 @@ pub fn read(wanted: &Wanted) -> Result<LoadedScene, Error> {
     } else {
         let app = run::app(());
         let path = resolve(wanted.scene.as_ref())?;
-        load_with(&path, &wanted.sets, |scene| own_findings(scene, &app))?
+        load_with(&path, &wanted.sets, true, |scene| own_findings(scene, &app))?
     };
     fits(&loaded)?;
     Ok(loaded)

@@ -27,7 +27,7 @@ use super::summary::summary;
 
 pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
     let path = resolve(&args.scene.scene)?;
-    let loaded = load_with(&path, &args.scene.sets, |scene| own_findings(scene, &app))?;
+    let loaded = load_with(&path, &args.scene.sets, true, |scene| own_findings(scene, &app))?;
     fits(&loaded)?;
     let dumps = args.dump_programs.iter();
     let dump_in_stages: Vec<_> =

@@ -31,7 +31,7 @@ use crate::scene::LoadedScene;
 ///
 /// # let directory = std::env::temp_dir().join(format!("clastic_{}", std::process::id()));
 /// let loaded = load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tension.ron").as_ref(), &[])?;
-/// let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+/// let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, None);
 /// let options = RunOptions { directory: directory.clone(), ..Default::default() };
 /// output::begin(simulation.world_mut(), options, &loaded)?;
 /// let outcome = simulation.run();

@@ -36,7 +36,7 @@ const SCENE: &str = r#"(
 
 fn run(directory: &Path, stop_after: u64) -> Result<Results, Box<dyn Error>> {
     let loaded = from_str(SCENE, Path::new("elsewhere/two.ron"), Path::new(""), &[])?;
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(crate::run::app(OutputPlugin), &loaded.scene, None);
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![3],
@@ -127,7 +127,7 @@ fn a_stage_says_what_is_recorded() -> Result<(), Box<dyn Error>> {
     let parent = tempfile::tempdir()?;
     let set = ["stages.pull.record=(every: 3, frames_every: 0, frames: [1, 4])".to_owned()];
     let loaded = from_str(SCENE, Path::new("two.ron"), Path::new(""), &set)?;
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(crate::run::app(OutputPlugin), &loaded.scene, None);
     let options = RunOptions { directory: parent.path().to_owned(), ..Default::default() };
     begin(simulation.world_mut(), options, &loaded)?;
     let outcome = simulation.run();

@@ -23,6 +23,6 @@ pub mod validate;
 
 pub use crate::text::diagnostic::{Diagnostic, Finding, SceneErrors};
 pub use limits::{MAX_MEMORY, MAX_PARTICLES};
-pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_unprepared, load_with};
+pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_with};
 pub use overrides::SetError;
 pub use stored_state::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};

@@ -132,7 +132,7 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
 fn a_stage_under_way_goes_on_longer_and_slower() {
     let loaded = parse(COULOMB);
     let parent = tempfile::tempdir().unwrap();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, None);
     let options = RunOptions { directory: parent.path().to_owned(), ..Default::default() };
     output::begin(simulation.world_mut(), options, &loaded).unwrap();
     for _ in 0..5 {

@@ -47,7 +47,7 @@ pub fn run(
     mut after: impl FnMut(&Observation),
 ) -> (Outcome, WorldState) {
     let mut simulation =
-        Simulation::with_plugins(&loaded.scene, loaded.specimen.as_ref(), OutputPlugin);
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, loaded.specimen.as_ref());
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],
@@ -85,7 +85,7 @@ pub fn resume(directory: &Path, sets: &[&str]) -> (Outcome, WorldState) {
     };
     let (before, loaded) = (read(&[]).unwrap().scene, read(&sets).unwrap());
     assert_eq!(changes::refused(&before, &loaded.scene, &view), [""; 0]);
-    let mut simulation = Simulation::resume_with(&loaded.scene, state, OutputPlugin).unwrap();
+    let mut simulation = Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, state).unwrap();
     // What was restored is what was stored, to the bit.
     assert!(bytes(&simulation.state().unwrap()) == bytes(state));
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
@@ -160,7 +160,7 @@ pub fn same_from_anywhere(loaded: &LoadedScene, stops: impl Fn(u64) -> bool) -> 
 /// The directory of a run before its first increment.
 pub fn copy_first(loaded: &LoadedScene, directory: &Path) {
     let mut simulation =
-        Simulation::with_plugins(&loaded.scene, loaded.specimen.as_ref(), OutputPlugin);
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, loaded.specimen.as_ref());
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],
