@@ -382,7 +382,8 @@ fn run(name: &str, ending: &str, quantities: Quantities) {
     let residual = residual_of(name);
     assert_eq!(loaded.scene.acceptance.residual, residual);
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     let out = tempfile::tempdir().unwrap();
     let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
     output::begin(simulation.world_mut(), options, &loaded).unwrap();

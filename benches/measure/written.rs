@@ -14,7 +14,8 @@ use crate::BenchError;
 /// Where a file cannot be written, an increment cannot be solved or a stage cannot begin.
 pub fn written_run(loaded: &LoadedScene, directory: &Path) -> Result<Simulation, BenchError> {
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     let options = RunOptions { directory: directory.to_owned(), force: true, ..Default::default() };
     output::begin(simulation.world_mut(), options, loaded)?;
     let outcome = simulation.run();

@@ -84,7 +84,8 @@ fn a_directory_that_lost_rows_or_is_in_use_is_refused() {
     let try_resume = || {
         let checkpoint = Checkpoint::read(dir).unwrap();
         let state = &checkpoint.world;
-        let mut other = Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, state).unwrap();
+        let mut other =
+            Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, state).unwrap();
         output::resume(other.world_mut(), dir, checkpoint, &loaded, &[], None)
             .map_err(|e| e.to_string())
     };

@@ -46,8 +46,11 @@ pub fn run(
     every: u32,
     mut after: impl FnMut(&Observation),
 ) -> (Outcome, WorldState) {
-    let mut simulation =
-        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, loaded.specimen.as_ref());
+    let mut simulation = Simulation::in_app(
+        clastic::run::app(OutputPlugin),
+        &loaded.scene,
+        loaded.specimen.as_ref(),
+    );
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],
@@ -85,7 +88,8 @@ pub fn resume(directory: &Path, sets: &[&str]) -> (Outcome, WorldState) {
     };
     let (before, loaded) = (read(&[]).unwrap().scene, read(&sets).unwrap());
     assert_eq!(changes::refused(&before, &loaded.scene, &view), [""; 0]);
-    let mut simulation = Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, state).unwrap();
+    let mut simulation =
+        Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, state).unwrap();
     // What was restored is what was stored, to the bit.
     assert!(bytes(&simulation.state().unwrap()) == bytes(state));
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
@@ -159,8 +163,11 @@ pub fn same_from_anywhere(loaded: &LoadedScene, stops: impl Fn(u64) -> bool) -> 
 
 /// The directory of a run before its first increment.
 pub fn copy_first(loaded: &LoadedScene, directory: &Path) {
-    let mut simulation =
-        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, loaded.specimen.as_ref());
+    let mut simulation = Simulation::in_app(
+        clastic::run::app(OutputPlugin),
+        &loaded.scene,
+        loaded.specimen.as_ref(),
+    );
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],

@@ -27,7 +27,8 @@ fn history(loaded: &LoadedScene) -> String {
     let mut loaded = loaded.clone();
     loaded.scene.output.plots = false;
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     output::begin(simulation.world_mut(), options, &loaded).unwrap();
     let outcome = simulation.run();
     output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();

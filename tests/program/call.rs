@@ -43,7 +43,8 @@ pub fn run(scene: &str, settings: &[&str]) -> (Assert, TempDir) {
 pub fn run_with(loaded: &LoadedScene, set: impl FnOnce(&mut World)) -> TempDir {
     let out = tempfile::tempdir().unwrap();
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     set(simulation.world_mut());
     let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
     output::begin(simulation.world_mut(), options, loaded).unwrap();
