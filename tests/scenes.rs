@@ -13,7 +13,7 @@ use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
-use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+use clastic::output::{self, OutputPlugin, RunOptions};
 use clastic::run::save::SavedStates;
 use clastic::run::{Simulation, Step};
 use clastic::scene;
@@ -401,7 +401,7 @@ fn run(name: &str, ending: &str, quantities: Quantities) {
             assert!(r.worst() <= residual, "increment {n}: {r:?}");
         }
     };
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
+    output::finish(simulation.world_mut(), Some(&outcome)).unwrap();
     let record: Value =
         serde_json::from_str(&fs::read_to_string(out.path().join("run.json")).unwrap()).unwrap();
     assert_eq!(record["outcome"]["status"], ending);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use clastic::output::{self, Ending, OutputFailure, OutputPlugin, RunDirectory, RunOptions};
+use clastic::output::{self, OutputFailure, OutputPlugin, RunDirectory, RunOptions};
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::LoadedScene;
 
@@ -25,7 +25,7 @@ pub fn written_run(loaded: &LoadedScene, directory: &Path) -> Result<Simulation,
     if let Outcome::Undecided { message, .. } | Outcome::Refused { message, .. } = outcome {
         return Err(BenchError::Run(message));
     }
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+    output::finish(simulation.world_mut(), Some(&outcome))?;
     simulation.world_mut().remove_resource::<RunDirectory>();
     Ok(simulation)
 }

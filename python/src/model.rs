@@ -9,7 +9,7 @@ use clastic::cli::resolve::resolve;
 use clastic::components::body::BodyId;
 use clastic::components::contact::BodyTable;
 use clastic::output::history;
-use clastic::output::{self, Ending, OutputFailure, OutputPlugin, RunOptions};
+use clastic::output::{self, OutputFailure, OutputPlugin, RunOptions};
 use clastic::prelude::{ClasticHalted, Step};
 use clastic::run::stages::Script;
 use clastic::run::state::StateView;
@@ -142,8 +142,8 @@ impl Model {
 
     /// Ends the output. Returns warnings of the run.
     pub fn finish(&mut self) -> Result<Vec<String>, Error> {
-        let ending = self.outcome.clone().map_or(Ending::Interrupted, Ending::Finished);
-        output::finish(self.world(), &ending)?;
+        let outcome = self.outcome.clone();
+        output::finish(self.world(), outcome.as_ref())?;
         // The tables are open, and locked, until then.
         self.world().remove_resource::<output::RunDirectory>();
         Ok(sanity::after(self.simulation.world()).warnings)

@@ -25,7 +25,7 @@ use crate::scene::LoadedScene;
 /// the run: `PreparedSpecimen`, `CurrentAvalanche`.
 ///
 /// ```
-/// use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+/// use clastic::output::{self, OutputPlugin, RunOptions};
 /// use clastic::prelude::*;
 /// use clastic::scene::load;
 ///
@@ -35,7 +35,7 @@ use crate::scene::LoadedScene;
 /// let options = RunOptions { directory: directory.clone(), ..Default::default() };
 /// output::begin(simulation.world_mut(), options, &loaded)?;
 /// let outcome = simulation.run();
-/// let results = output::finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+/// let results = output::finish(simulation.world_mut(), Some(&outcome))?;
 /// assert_eq!(results.bonds_broken.tension, 1);
 /// assert!(directory.join("history.csv").exists());
 /// # std::fs::remove_dir_all(directory)?;

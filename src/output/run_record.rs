@@ -7,11 +7,11 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::OutputError;
 use super::atomic::write_atomic;
 use super::drive::PeakForce;
 use super::found::Settled;
 use super::history::rigid_groups;
-use super::{Ending, OutputError};
 use crate::run::key_results::Results;
 use crate::run::sanity::Report;
 use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
@@ -139,7 +139,7 @@ pub(crate) struct OutcomeRecord {
 
 impl OutcomeRecord {
     /// Outcome of a run whose last stage and increment are given.
-    pub fn new(ending: &Ending, stage: String, increment: u64) -> Self {
+    pub fn new(outcome: Option<&Outcome>, stage: String, increment: u64) -> Self {
         let at = |status, stage, increment, message: Option<String>| Self {
             status,
             stage: Some(stage),
@@ -147,9 +147,7 @@ impl OutcomeRecord {
             collapsed_by: None,
             message,
         };
-        let Ending::Finished(outcome) = ending else {
-            return at("interrupted", stage, increment, None);
-        };
+        let Some(outcome) = outcome else { return at("interrupted", stage, increment, None) };
         match outcome.clone() {
             Outcome::Completed => at("completed", stage, increment, None),
             Outcome::Collapsed(Collapse { stage, increment, by, reason }) => {

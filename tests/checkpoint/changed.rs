@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
-use clastic::output::{self, Checkpoint, Ending, OutputPlugin, RunOptions, directory};
+use clastic::output::{self, Checkpoint, OutputPlugin, RunOptions, directory};
 use clastic::run::state::StateView;
 use clastic::run::{Outcome, Simulation, Step, changes};
 use clastic::scene::{self, LoadedScene};
@@ -138,7 +138,7 @@ fn a_stage_under_way_goes_on_longer_and_slower() {
     for _ in 0..5 {
         simulation.step();
     }
-    output::finish(simulation.world_mut(), &Ending::Interrupted).unwrap();
+    output::finish(simulation.world_mut(), None).unwrap();
     drop(simulation);
     resume(
         parent.path(),

@@ -5,9 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clastic::components::observation::Observation;
-use clastic::output::{
-    self, Checkpoint, Ending, OutputPlugin, RunDirectory, RunOptions, directory,
-};
+use clastic::output::{self, Checkpoint, OutputPlugin, RunDirectory, RunOptions, directory};
 use clastic::run::state::StateView;
 use clastic::run::{Outcome, Simulation, Step, WorldState, changes};
 use clastic::scene::{self, LoadedScene};
@@ -71,7 +69,7 @@ pub fn finish(
         }
         after(simulation.world().resource::<Observation>());
     };
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome.clone())).unwrap();
+    output::finish(simulation.world_mut(), Some(&outcome)).unwrap();
     simulation.world_mut().remove_resource::<RunDirectory>();
     (outcome, simulation.state().unwrap())
 }

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use clastic::components::measure::Readings;
 use clastic::components::observation::Observation;
-use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+use clastic::output::{self, OutputPlugin, RunOptions};
 use clastic::run::measures::reading;
 use clastic::run::stages::Script;
 use clastic::run::{EndedBy, Outcome, Simulation, Step};
@@ -31,7 +31,7 @@ fn history(loaded: &LoadedScene) -> String {
         Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     output::begin(simulation.world_mut(), options, &loaded).unwrap();
     let outcome = simulation.run();
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
+    output::finish(simulation.world_mut(), Some(&outcome)).unwrap();
     fs::read_to_string(out.path().join("history.csv")).unwrap()
 }
 
