@@ -23,7 +23,7 @@ use crate::scene::format::{Acceptance, Analysis, FrictionLaw, Rupture, Solver, S
 pub const CLASTIC_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Content of `run.json`.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct RunRecord {
     clastic_version: &'static str,
     format_version: u32,
@@ -105,7 +105,7 @@ pub struct Resumed {
     pub settings: Vec<String>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 struct Settings {
     analysis: Analysis,
     friction_law: FrictionLaw,
@@ -228,15 +228,8 @@ impl RunRecord {
             },
             seeds,
             outcome: OutcomeRecord { status: "running", ..OutcomeRecord::default() },
-            stages: Vec::new(),
-            increments: 0,
-            capped_increments: 0,
-            specimen_csv: None,
-            settled: None,
-            sanity: Report::default(),
-            peak_force: None,
-            results: Results::default(),
             conventions: IndexMap::from(CONVENTIONS),
+            ..Self::default()
         }
     }
 
