@@ -160,8 +160,7 @@ fn from_text(
     let values = values::put_in(&mut root, &spared);
     let (mut scene, mut notes) = read::read::<Scene>(&root);
     notes.made_up.extend(values.made_up);
-    placed.extend(values.placed);
-    placed.extend(notes.placed);
+    placed.extend(values.placed.into_iter().chain(notes.placed));
     let mut csv_errors = None;
     let mut specimen = None;
     if let Some(scene) = &mut scene {
