@@ -126,7 +126,7 @@ fn stored(saved: SavedState) -> Result<StoredSpecimen, StateError> {
     let names: Vec<&String> = saved.materials.iter().map(|(name, _)| name).collect();
     let (rows, indices) = rows(&saved.world, "position", &names)?;
     let (walls, membranes) = (saved.walls_now()?, saved.membranes()?);
-    let rigid = saved.rigid_groups()?;
+    let rigid = saved.groups_with(|_| true)?;
     let saved = Arc::new(saved);
     let taken = (walls, membranes);
     let state = StoredState::of(&saved.world, taken, rigid, Some(Arc::clone(&saved)))?;
