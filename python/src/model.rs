@@ -18,7 +18,7 @@ use clastic::scene::format::Stage;
 use clastic::scene::{LoadedScene, from_str, from_str_with, load_with};
 use clastic::systems::gather_bodies::gather_bodies;
 use clastic::systems::stepping::EndOfRun;
-use clastic::text::spans::Spans;
+use clastic::text::spans::span_of;
 
 use crate::errors::Error;
 use crate::loads::{self, FailedFunction};
@@ -155,8 +155,8 @@ impl Model {
             let what = "a run that writes into a directory has the stages of its scene alone";
             return Err(Error::Value(what.to_owned()));
         }
-        let spans = Spans::of(&self.loaded.text);
-        let place = (0..).find(|k| spans.value(&format!("stages[{k}]")).is_none());
+        let absent = |k: &u32| span_of(&self.loaded.text, &format!("stages[{k}]")).is_none();
+        let place = (0..).find(absent);
         let mut sets = vec![format!("stages[{}]={stage}", place.unwrap_or_default())];
         let scene = &self.loaded.scene;
         let reference = scene.stages.get(scene.reference_stage()).map(Stage::name);
