@@ -38,11 +38,6 @@ impl ContactLaw {
             restitution: self.restitution.min(other.restitution),
         }
     }
-
-    /// Law without compliance, friction, rolling resistance and restitution.
-    pub fn rigid_frictionless() -> Self {
-        Self::default()
-    }
 }
 
 /// Law of an intact bond: `p >= -f_t`, `|q| <= c A + mu_b p`, `|tau| <= mu_r r (p + f_t)` with
@@ -121,7 +116,7 @@ impl Materials {
     /// If a particle has an index beyond the last material.
     pub fn contact(&self, a: u32, b: u32) -> ContactLaw {
         if self.0.is_empty() {
-            return ContactLaw::rigid_frictionless();
+            return ContactLaw::default();
         }
         let (la, lb) = (self.law(a), self.law(b));
         if a == b { la } else { la.between(lb) }

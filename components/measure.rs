@@ -202,21 +202,7 @@ impl<W, P, G> Quantity<W, P, G> {
             }
             Self::Gravity => "m/s^2",
             Self::Time => "s",
-            Self::Strain(_)
-            | Self::Porosity(_)
-            | Self::Coordination { .. }
-            | Self::Broken(_)
-            | Self::BrokenShare(_)
-            | Self::VolumetricStrain
-            | Self::Fabric { .. }
-            | Self::Fragments(_)
-            | Self::Cracks { .. }
-            | Self::KineticOverElastic
-            | Self::Poured(_)
-            | Self::Grains { .. }
-            | Self::Membrane { .. }
-            | Self::StrengthFactor
-            | Self::Custom(_) => "",
+            _ => "",
         }
     }
 }

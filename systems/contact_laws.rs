@@ -26,7 +26,7 @@ impl<'a> Laws<'a> {
     /// an increment leaves.
     pub fn contact(self, contact: &Contact) -> ContactLaw {
         if matches!(self.analysis.kind, AnalysisKind::Compaction { .. }) {
-            return ContactLaw::rigid_frictionless();
+            return ContactLaw::default();
         }
         let mut law = law_of_pair(self.bodies, self.materials, contact);
         law.friction *= self.analysis.strength;

@@ -13,7 +13,7 @@ use clastic::components::attempt::IncrementStatus;
 use clastic::components::body::{BodyId, BodyPosition};
 use clastic::components::observation::Observation;
 use clastic::components::particle::Particle;
-use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+use clastic::output::{self, OutputPlugin, RunOptions};
 use clastic::run::save::SavedStates;
 use clastic::run::{Simulation, Step};
 use clastic::scene;
@@ -382,7 +382,8 @@ fn run(name: &str, ending: &str, quantities: Quantities) {
     let residual = residual_of(name);
     assert_eq!(loaded.scene.acceptance.residual, residual);
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     let out = tempfile::tempdir().unwrap();
     let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
     output::begin(simulation.world_mut(), options, &loaded).unwrap();
@@ -400,7 +401,7 @@ fn run(name: &str, ending: &str, quantities: Quantities) {
             assert!(r.worst() <= residual, "increment {n}: {r:?}");
         }
     };
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
+    output::finish(simulation.world_mut(), Some(&outcome)).unwrap();
     let record: Value =
         serde_json::from_str(&fs::read_to_string(out.path().join("run.json")).unwrap()).unwrap();
     assert_eq!(record["outcome"]["status"], ending);

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use clastic::output::{self, Ending, OutputFailure, OutputPlugin, RunDirectory, RunOptions};
+use clastic::output::{self, OutputFailure, OutputPlugin, RunDirectory, RunOptions};
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::LoadedScene;
 
@@ -14,7 +14,8 @@ use crate::BenchError;
 /// Where a file cannot be written, an increment cannot be solved or a stage cannot begin.
 pub fn written_run(loaded: &LoadedScene, directory: &Path) -> Result<Simulation, BenchError> {
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     let options = RunOptions { directory: directory.to_owned(), force: true, ..Default::default() };
     output::begin(simulation.world_mut(), options, loaded)?;
     let outcome = simulation.run();
@@ -24,7 +25,7 @@ pub fn written_run(loaded: &LoadedScene, directory: &Path) -> Result<Simulation,
     if let Outcome::Undecided { message, .. } | Outcome::Refused { message, .. } = outcome {
         return Err(BenchError::Run(message));
     }
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+    output::finish(simulation.world_mut(), Some(&outcome))?;
     simulation.world_mut().remove_resource::<RunDirectory>();
     Ok(simulation)
 }

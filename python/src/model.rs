@@ -9,7 +9,7 @@ use clastic::cli::resolve::resolve;
 use clastic::components::body::BodyId;
 use clastic::components::contact::BodyTable;
 use clastic::output::history;
-use clastic::output::{self, Ending, OutputFailure, OutputPlugin, RunOptions};
+use clastic::output::{self, OutputFailure, OutputPlugin, RunOptions};
 use clastic::prelude::{ClasticHalted, Step};
 use clastic::run::stages::Script;
 use clastic::run::state::StateView;
@@ -18,7 +18,7 @@ use clastic::scene::format::Stage;
 use clastic::scene::{LoadedScene, from_str, from_str_with, load_with};
 use clastic::systems::gather_bodies::gather_bodies;
 use clastic::systems::stepping::EndOfRun;
-use clastic::text::spans::Spans;
+use clastic::text::spans::span_of;
 
 use crate::errors::Error;
 use crate::loads::{self, FailedFunction};
@@ -47,7 +47,7 @@ pub fn read(wanted: &Wanted) -> Result<LoadedScene, Error> {
     } else {
         let app = run::app(());
         let path = resolve(wanted.scene.as_ref())?;
-        load_with(&path, &wanted.sets, |scene| own_findings(scene, &app))?
+        load_with(&path, &wanted.sets, true, |scene| own_findings(scene, &app))?
     };
     fits(&loaded)?;
     Ok(loaded)
@@ -142,8 +142,8 @@ impl Model {
 
     /// Ends the output. Returns warnings of the run.
     pub fn finish(&mut self) -> Result<Vec<String>, Error> {
-        let ending = self.outcome.clone().map_or(Ending::Interrupted, Ending::Finished);
-        output::finish(self.world(), &ending)?;
+        let outcome = self.outcome.clone();
+        output::finish(self.world(), outcome.as_ref())?;
         // The tables are open, and locked, until then.
         self.world().remove_resource::<output::RunDirectory>();
         Ok(sanity::after(self.simulation.world()).warnings)
@@ -155,8 +155,8 @@ impl Model {
             let what = "a run that writes into a directory has the stages of its scene alone";
             return Err(Error::Value(what.to_owned()));
         }
-        let spans = Spans::of(&self.loaded.text);
-        let place = (0..).find(|k| spans.value(&format!("stages[{k}]")).is_none());
+        let absent = |k: &u32| span_of(&self.loaded.text, &format!("stages[{k}]")).is_none();
+        let place = (0..).find(absent);
         let mut sets = vec![format!("stages[{}]={stage}", place.unwrap_or_default())];
         let scene = &self.loaded.scene;
         let reference = scene.stages.get(scene.reference_stage()).map(Stage::name);

@@ -17,7 +17,8 @@ use super::resolve::resolve;
 use super::summary::{in_one_round, number};
 
 pub fn check(args: &SceneArgs, app: &App) -> Result<Exit, Failure> {
-    let loaded = load_with(&resolve(&args.scene)?, &args.sets, |scene| own_findings(scene, app))?;
+    let further = |scene: &_| own_findings(scene, app);
+    let loaded = load_with(&resolve(&args.scene)?, &args.sets, true, further)?;
     fits(&loaded)?;
     let scene = &loaded.scene;
     let poured: f64 = scene.stages.iter().map(|stage| poured(scene, stage)).sum();

@@ -6,9 +6,7 @@ use bevy_ecs::prelude::*;
 use crate::components::increment::ClasticProgress;
 use crate::components::observation::Observation;
 use crate::output::directory::default_directory;
-use crate::output::{
-    self, Ending, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions,
-};
+use crate::output::{self, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions};
 use crate::run::sanity;
 use crate::run::stages::Script;
 use crate::run::{Outcome, Simulation, Step};
@@ -27,7 +25,7 @@ use super::summary::summary;
 
 pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
     let path = resolve(&args.scene.scene)?;
-    let loaded = load_with(&path, &args.scene.sets, |scene| own_findings(scene, &app))?;
+    let loaded = load_with(&path, &args.scene.sets, true, |scene| own_findings(scene, &app))?;
     fits(&loaded)?;
     let dumps = args.dump_programs.iter();
     let dump_in_stages: Vec<_> =
@@ -64,24 +62,24 @@ pub fn to_the_end(mut simulation: Simulation, quiet: bool) -> Result<Exit, Failu
     let interrupt = Interrupt::listen();
     let mut progress =
         Progress::new(quiet, simulation.world().resource::<Script>().scene.stages.len());
-    let ending = loop {
+    let outcome = loop {
         let step = simulation.step();
         let world = simulation.world_mut();
         if let Some(OutputFailure(error)) = world.remove_resource::<OutputFailure>() {
             return Err(stopped(error, world.resource()));
         }
         if let Step::Finished(outcome) = step {
-            break Ending::Finished(outcome);
+            break Some(outcome);
         }
         progress.show(world.resource::<ClasticProgress>(), world.resource::<Observation>());
         if interrupt.requested() && world.resource::<Script>().outcome.is_none() {
-            break Ending::Interrupted;
+            break None;
         }
     };
     progress.end();
 
     let world = simulation.world_mut();
-    let finished = output::finish(world, &ending);
+    let finished = output::finish(world, outcome.as_ref());
     let (world, run) = (&*world, world.resource::<RunDirectory>());
     let results = finished.map_err(|error| stopped(error, run))?;
     let directory = run.directory();
@@ -100,23 +98,21 @@ pub fn to_the_end(mut simulation: Simulation, quiet: bool) -> Result<Exit, Failu
             ));
         }
     }
-    let mut text = summary(&ending, increments, script, &run.record, directory);
+    let mut text = summary(outcome.as_ref(), increments, script, &run.record, directory);
     let packs = script.scene.stages.iter().all(|s| matches!(s, Stage::Compact(_)));
     if let Some(porosity) = results.porosity.filter(|_| packs) {
         text += &format!("\nporosity of the packing {porosity:.4}");
     }
     let said = say(text);
     // A closed terminal cannot print the summary. That is no failure of an interrupted run.
-    if ending != Ending::Interrupted {
+    if outcome.is_some() {
         said?;
     }
-    match ending {
-        Ending::Interrupted => Ok(Exit::Interrupted),
-        Ending::Finished(Outcome::Undecided { message, .. }) => {
-            Err(Failure::new(Exit::Solver, message))
-        }
-        Ending::Finished(Outcome::Halted(message)) => Err(Failure::new(Exit::Files, message)),
-        Ending::Finished(Outcome::Refused { message, .. }) => {
+    match outcome {
+        None => Ok(Exit::Interrupted),
+        Some(Outcome::Undecided { message, .. }) => Err(Failure::new(Exit::Solver, message)),
+        Some(Outcome::Halted(message)) => Err(Failure::new(Exit::Files, message)),
+        Some(Outcome::Refused { message, .. }) => {
             let message = format!(
                 "{message}; once the stage is mended, `clastic resume {} --set PATH=VALUE` goes on (another wall \
                  or material needs another run)",
@@ -124,7 +120,7 @@ pub fn to_the_end(mut simulation: Simulation, quiet: bool) -> Result<Exit, Failu
             );
             Err(Failure::new(Exit::Scene, message))
         }
-        Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)) => Ok(Exit::Ok),
+        Some(Outcome::Completed | Outcome::Collapsed(_)) => Ok(Exit::Ok),
     }
 }
 

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use crate::output::Ending;
 use crate::output::drive::PeakForce;
 use crate::output::found::Settled;
 use crate::output::run_record::RunRecord;
@@ -15,18 +14,18 @@ use crate::text::shown::label;
 
 /// Text of the summary: how the run ended after `increment` increments, key results, directory.
 pub fn summary(
-    ending: &Ending,
+    outcome: Option<&Outcome>,
     increment: u64,
     script: &Script,
     record: &RunRecord,
     directory: &Path,
 ) -> String {
-    let outcome = match ending {
-        Ending::Interrupted => format!(
+    let said = match outcome {
+        None => format!(
             "interrupted after increment {increment}; `clastic resume {}` goes on",
             directory.display()
         ),
-        Ending::Finished(Outcome::Completed) => {
+        Some(Outcome::Completed) => {
             let capped = match script.ends.iter().map(|end| end.capped).sum::<u64>() {
                 0 => String::new(),
                 n if n == increment => ", all of them capped".to_owned(),
@@ -34,16 +33,16 @@ pub fn summary(
             };
             format!("completed in {increment} increments{capped}")
         }
-        Ending::Finished(Outcome::Collapsed(Collapse { stage, increment, reason, .. })) => {
+        Some(Outcome::Collapsed(Collapse { stage, increment, reason, .. })) => {
             format!("collapsed in increment {increment}, in stage {}: {reason}", label(stage))
         }
-        Ending::Finished(Outcome::Undecided { increment, .. }) => {
+        Some(Outcome::Undecided { increment, .. }) => {
             format!("undecided at increment {increment}")
         }
-        Ending::Finished(Outcome::Halted(message)) => {
+        Some(Outcome::Halted(message)) => {
             format!("stopped after increment {increment}: {message}")
         }
-        Ending::Finished(Outcome::Refused { stage, .. }) => {
+        Some(Outcome::Refused { stage, .. }) => {
             format!("stopped after increment {increment}: stage {} cannot begin", label(stage))
         }
     };
@@ -88,7 +87,7 @@ pub fn summary(
             parts.push(format!("{}, the largest of {largest}", number(r.avalanches, "avalanche")));
         }
     }
-    let mut lines = vec![outcome];
+    let mut lines = vec![said];
     lines.extend(script.ends.iter().filter_map(stage));
     lines.extend(warnings(script));
     lines.extend(after_collapse(script));
@@ -96,7 +95,7 @@ pub fn summary(
     lines.extend(reason.map(|reason| format!("note: {}", in_one_round(&reason))));
     lines.extend(peak_error(&script.scene, r));
     lines.extend(record.sanity.warnings.iter().map(|warning| format!("WARNING: {warning}")));
-    lines.extend(not_defined(script, ending, r));
+    lines.extend(not_defined(script, outcome, r));
     if !parts.is_empty() {
         lines.push(parts.join("; "));
     }
@@ -171,7 +170,7 @@ pub(super) fn in_one_round(reason: &str) -> String {
 }
 
 /// Key results that the measured strain and stress should define but do not, with reasons.
-fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<String> {
+fn not_defined(script: &Script, outcome: Option<&Outcome>, results: &Results) -> Vec<String> {
     let scene = &script.scene;
     if scene.strain("axial_strain").is_none() || scene.stress("axial_stress").is_none() {
         return Vec::new();
@@ -188,7 +187,7 @@ fn not_defined(script: &Script, ending: &Ending, results: &Results) -> Vec<Strin
     // A rigid specimen has a limit load and no modulus, so this is no warning.
     let modulus = reason("youngs_modulus_pa").filter(|reason| *reason != RIGID);
     lines.extend(modulus.map(|reason| format!("E is not defined: {reason}")));
-    if matches!(ending, Ending::Finished(Outcome::Collapsed(_))) {
+    if matches!(outcome, Some(Outcome::Collapsed(_))) {
         let limit = reason("limit_load_pa");
         lines.extend(limit.map(|reason| format!("the limit load is not defined: {reason}")));
     }
@@ -295,8 +294,7 @@ mod tests {
         script.ends = ends.collect();
         let mut record = RunRecord::new(&loaded, &RunFacts::new(&loaded, &[]).unwrap());
         record.results = results.clone();
-        let ending = Ending::Finished(Outcome::Completed);
-        summary(&ending, 35, &script, &record, Path::new("runs/tension"))
+        summary(Some(&Outcome::Completed), 35, &script, &record, Path::new("runs/tension"))
     }
 
     #[test]

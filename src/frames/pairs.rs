@@ -5,6 +5,7 @@ use clastic_components::bond::BondState;
 use clastic_components::contact::{BodyTable, Contact};
 use clastic_components::contact_history::{ContactHistory, ContactMemory, KeptRows};
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
+use clastic_systems::measures::fragments::connected;
 
 use super::{FramePairs, NONE};
 
@@ -112,21 +113,10 @@ pub(super) fn stresses(bodies: &BodyTable, all: &[Pair], thickness: f64) -> Vec<
 
 /// The lowest identity of the particles that intact bonds hold together, by particle.
 pub(super) fn fragments(bodies: &BodyTable, all: &[Pair]) -> Vec<u32> {
-    // Union by the lower row: rows of particles ascend with their identities.
-    let mut root: Vec<usize> = (0..bodies.particles).collect();
-    fn find(root: &mut [usize], mut i: usize) -> usize {
-        while root[i] != i {
-            root[i] = root[root[i]];
-            i = root[i];
-        }
-        i
-    }
-    for pair in all.iter().filter(|pair| pair.state == 1) {
-        let (a, b) = (pair.contact.a as usize, pair.contact.b as usize);
-        if b < bodies.particles {
-            let (a, b) = (find(&mut root, a), find(&mut root, b));
-            root[a.max(b)] = a.min(b);
-        }
-    }
-    (0..bodies.particles).map(|i| bodies.ids[find(&mut root, i)].0).collect()
+    let intact = all.iter().filter(|pair| pair.state == 1);
+    let pairs = intact.map(|pair| (pair.contact.a, pair.contact.b));
+    let n = bodies.particles;
+    // Rows of particles ascend with their identities.
+    let first = connected(n, pairs.filter(|(_, b)| (*b as usize) < n));
+    first.into_iter().map(|row| bodies.ids[row as usize].0).collect()
 }

@@ -60,7 +60,7 @@ impl Frame {
 
     /// The frame of arrays.
     pub(crate) fn from_tables(tables: &Tables) -> Result<Self, TableError> {
-        let format = tables.text("format", &[]).map_or("", |format| format[0].as_str());
+        let format: String = tables.single("format").unwrap_or_default();
         match format.strip_prefix(FORMAT).map(str::trim) {
             None => {
                 let what = "not a frame; give a `.npz` file of the folder `frames` of a run";
@@ -73,17 +73,15 @@ impl Frame {
             }
             Some(_) => {}
         }
-        let number = |name: &str| Ok::<_, TableError>(tables.f64(name, &[])?[0]);
-        let known = |name: &str| Ok::<_, TableError>(Some(number(name)?).filter(|x| !x.is_nan()));
-        let column =
-            |name: &str| Ok::<_, TableError>(tables.text(name, &[tables.rows(name)?])?.to_vec());
-        let origin = tables.f64("origin_m", &[2])?;
-        let cell = tables.f64("cell_m", &[3])?;
+        let known = |name: &str| Ok(Some(tables.single(name)?).filter(|x: &f64| !x.is_nan()));
+        let column = |name: &str| Column::read(tables, name, tables.rows(name)?);
+        let origin = tables.values::<f64>("origin_m", &[2])?;
+        let cell = tables.values::<f64>("cell_m", &[3])?;
         let frame = Self {
-            increment: tables.u64("increment", &[])?[0],
-            stage: tables.text("stage", &[])?[0].clone(),
-            time_s: number("time_s")?,
-            thickness_m: number("thickness_m")?,
+            increment: tables.single("increment")?,
+            stage: tables.single("stage")?,
+            time_s: tables.single("time_s")?,
+            thickness_m: tables.single("thickness_m")?,
             axial_strain: known("axial_strain")?,
             axial_stress_pa: known("axial_stress_pa")?,
             origin_m: [origin[0], origin[1]],

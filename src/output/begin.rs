@@ -25,17 +25,17 @@ use crate::scene::LoadedScene;
 /// the run: `PreparedSpecimen`, `CurrentAvalanche`.
 ///
 /// ```
-/// use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+/// use clastic::output::{self, OutputPlugin, RunOptions};
 /// use clastic::prelude::*;
 /// use clastic::scene::load;
 ///
 /// # let directory = std::env::temp_dir().join(format!("clastic_{}", std::process::id()));
 /// let loaded = load(concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/tension.ron").as_ref(), &[])?;
-/// let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+/// let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, None);
 /// let options = RunOptions { directory: directory.clone(), ..Default::default() };
 /// output::begin(simulation.world_mut(), options, &loaded)?;
 /// let outcome = simulation.run();
-/// let results = output::finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+/// let results = output::finish(simulation.world_mut(), Some(&outcome))?;
 /// assert_eq!(results.bonds_broken.tension, 1);
 /// assert!(directory.join("history.csv").exists());
 /// # std::fs::remove_dir_all(directory)?;

@@ -7,17 +7,16 @@
 //! renamed. A complete checkpoint, old or new, therefore exists at every moment.
 
 use std::fs;
-use std::io::{self, BufWriter, Seek, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 
 use super::atomic::durably;
 use super::directory;
 use super::error::OutputError;
 use super::run_directory::RunOptions;
-use super::run_record::{RunFacts, hexadecimal, sha256};
+use super::run_record::{RunFacts, sha256};
 use crate::run::WorldState;
 
 /// Version of the format. It increases when the stored types have changed since a release. These are
@@ -28,9 +27,6 @@ pub const VERSION: u32 = 1;
 pub(super) const WHOLE: u64 = u64::MAX;
 
 const MAGIC: &str = "clastic checkpoint, format ";
-
-/// Bytes that are written to the file at once.
-const BUFFER: usize = 1 << 18;
 
 /// Content of a checkpoint.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -63,20 +59,11 @@ impl Checkpoint {
         durably(&directory.join(name), |file| self.write_to(file))
     }
 
-    /// Writes the content as it is encoded, so that it is in memory once only. Its hash is known at
-    /// the end, and is written into the first line then.
-    fn write_to<W: Write + Seek>(&self, mut file: W) -> io::Result<()> {
-        let first_line = |hash: &str| format!("{MAGIC}{VERSION}, sha256 {hash}\n");
-        file.write_all(first_line(&sha256(&[])).as_bytes())?;
-        let hashing = HashingWriter { inner: &mut file, hash: Sha256::new(), error: None };
-        let mut content = BufWriter::with_capacity(BUFFER, hashing);
-        // The encoder flushes at the end.
-        let encoded = postcard::to_io(self, &mut content).map(|_| ());
-        let HashingWriter { hash, error, .. } = content.into_parts().0;
-        error.map_or(Ok(()), Err)?;
-        encoded.map_err(io::Error::other)?;
-        file.rewind()?;
-        file.write_all(first_line(&hexadecimal(&hash.finalize())).as_bytes())
+    fn write_to(&self, mut file: impl Write) -> io::Result<()> {
+        let content = postcard::to_stdvec(self).map_err(io::Error::other)?;
+        let line = format!("{MAGIC}{VERSION}, sha256 {}\n", sha256(&content));
+        file.write_all(line.as_bytes())?;
+        file.write_all(&content)
     }
 
     /// Reads the checkpoint of a run directory and verifies that it is complete and belongs to the
@@ -143,43 +130,14 @@ impl Checkpoint {
     }
 }
 
-/// Hashes bytes and writes them to the writer behind it. It keeps the first error of that writer,
-/// since an encoder reports another one in its place.
-struct HashingWriter<W> {
-    inner: W,
-    hash: Sha256,
-    error: Option<io::Error>,
-}
-
-impl<W: Write> HashingWriter<W> {
-    fn keep(&mut self, done: io::Result<()>) -> io::Result<()> {
-        done.map_err(|error| {
-            let kind = error.kind();
-            self.error.get_or_insert(error);
-            kind.into()
-        })
-    }
-}
-
-impl<W: Write> Write for HashingWriter<W> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let done = self.inner.write_all(bytes);
-        self.keep(done)?;
-        self.hash.update(bytes);
-        Ok(bytes.len())
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        let done = self.inner.flush();
-        self.keep(done)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use std::io::Cursor;
 
     use super::*;
+
+    /// Bytes of the state.
+    const SIZE: usize = 1 << 19;
 
     /// A file on a disk with room for this number of bytes.
     struct Disk(Cursor<Vec<u8>>, usize);
@@ -197,15 +155,9 @@ mod tests {
         }
     }
 
-    impl Seek for Disk {
-        fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
-            self.0.seek(to)
-        }
-    }
-
     fn checkpoint() -> Checkpoint {
         let mut world = WorldState::default();
-        world.set_bytes("numbers", (0..2 * BUFFER).map(|k| k as u8).collect());
+        world.set_bytes("numbers", (0..SIZE).map(|k| k as u8).collect());
         Checkpoint {
             clastic_version: "0".to_owned(),
             increment: 3,
@@ -241,7 +193,7 @@ mod tests {
 
     #[test]
     fn the_error_of_a_full_disk_is_that_of_the_system() {
-        for room in [0, 1000, BUFFER + 1000] {
+        for room in [0, 1000, SIZE / 2] {
             let disk = Disk(Cursor::new(Vec::new()), room);
             let error = checkpoint().write_to(disk).unwrap_err();
             assert_eq!(error.to_string(), "the disk is full");

@@ -21,29 +21,21 @@ use crate::run::stages::Script;
 use crate::run::{Outcome, StageEnd};
 use crate::scene::format::Stage;
 
-/// How a run ended.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Ending {
-    /// The outcome that the engine reports.
-    Finished(Outcome),
-    /// The user or the system stopped the run after a whole increment.
-    Interrupted,
-}
-
 /// Force, over the largest contact force, up to which it is round-off: as that of an open contact.
 const ROUND_OFF: f64 = 1e-9;
 
-/// Ends the output of a run, and returns its key results. The tables stay open until
-/// [`RunDirectory`] is removed from the world.
+/// Ends the output of a run, and returns its key results. Without an outcome the user or the system
+/// stopped the run after a whole increment. The tables stay open until [`RunDirectory`] is removed
+/// from the world.
 ///
 /// # Errors
 /// If something cannot be written.
-pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError> {
+pub fn finish(world: &mut World, outcome: Option<&Outcome>) -> Result<Results, OutputError> {
     states::write_kept(world)?;
-    if needs_checkpoint(world, ending) {
+    if needs_checkpoint(world, outcome) {
         save(world)?;
     }
-    let has_ended = matches!(ending, Ending::Finished(Outcome::Completed | Outcome::Collapsed(_)));
+    let has_ended = matches!(outcome, Some(Outcome::Completed | Outcome::Collapsed(_)));
     if has_ended {
         // The avalanche of a specimen that collapsed in one is still open here.
         save_the_end(world)?;
@@ -54,7 +46,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
     frames::write_final_particles(world)?;
     world.resource_scope(|world, mut run: Mut<RunDirectory>| {
         // The avalanche of an interrupted run continues after it is resumed.
-        if *ending != Ending::Interrupted
+        if outcome.is_some()
             && let Some(avalanche) = world.resource_mut::<CurrentAvalanche>().0.take()
         {
             Ended(avalanche, None).write(&mut world.resource_mut(), &mut run)?;
@@ -64,7 +56,7 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
         let pours = scene.stages.iter().any(Stage::pours);
         let results = world.resource::<Found>().complete(results, pours);
         // The page comes last, so that the numbers are complete if it fails.
-        write_record(&mut run, world, ending, &results)?;
+        write_record(&mut run, world, outcome, &results)?;
         #[cfg(feature = "report")]
         if scene.output.plots {
             let named = (scene.title.clone(), run.directory().to_owned());
@@ -79,25 +71,25 @@ pub fn finish(world: &mut World, ending: &Ending) -> Result<Results, OutputError
 }
 
 /// Whether a checkpoint must be written at the end of the run.
-fn needs_checkpoint(world: &World, ending: &Ending) -> bool {
+fn needs_checkpoint(world: &World, outcome: Option<&Outcome>) -> bool {
     let run = world.resource::<RunDirectory>();
     let goes_on = world.resource::<Script>().outcome.is_none();
     let made = world.resource::<ClasticProgress>().increment;
-    let is_interrupted = goes_on && *ending == Ending::Interrupted && run.saved != Some(made);
+    let is_interrupted = goes_on && outcome.is_none() && run.saved != Some(made);
     // The checkpoint precedes a refused stage, which can begin after its settings are changed.
-    is_interrupted || matches!(ending, Ending::Finished(Outcome::Refused { .. }))
+    is_interrupted || matches!(outcome, Some(Outcome::Refused { .. }))
 }
 
 fn write_record(
     run: &mut RunDirectory,
     world: &World,
-    ending: &Ending,
+    outcome: Option<&Outcome>,
     results: &Results,
 ) -> Result<(), OutputError> {
     let observation = world.resource::<Observation>();
     let path = run.path(directory::RUN);
     let record = &mut run.record;
-    record.outcome = OutcomeRecord::new(ending, observation.stage.clone(), observation.increment);
+    record.outcome = OutcomeRecord::new(outcome, observation.stage.clone(), observation.increment);
     record.stages = world.resource::<Script>().ends.clone();
     record.capped_increments = record.stages.iter().map(|end| end.capped).sum();
     record.specimen_csv = world.resource::<PreparedSpecimen>().written.clone();

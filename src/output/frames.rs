@@ -9,7 +9,6 @@ use glam::DVec2;
 
 use clastic_components::body::{BodyOrigin, BodyRotation};
 use clastic_components::contact::BodyTable;
-use clastic_components::increment::ClasticProgress;
 use clastic_components::material::Materials;
 use clastic_components::observation::Observation;
 use clastic_systems::gather_bodies::gather_bodies;
@@ -21,7 +20,6 @@ use super::wanted::Wanted;
 use super::{OutputError, directory};
 use crate::frames::{Frame, FrameTables};
 use crate::run::key_results::KeyResults;
-use crate::run::stages::Script;
 use crate::scene::StoredParticle;
 
 /// Columns of a frame as CSV. Displacements are relative to the start of the stage list.
@@ -94,7 +92,7 @@ pub(super) fn write_final_particles(world: &mut World) -> Result<(), OutputError
 #[derive(Resource, Debug, Default)]
 pub(crate) struct FrameMoments {
     /// State at the start of the reference stage, until its first increment.
-    start: Option<Frame>,
+    pub(super) start: Option<Frame>,
     /// State at the peak so far, unless it is on the disk.
     peak: Option<Frame>,
 }
@@ -120,20 +118,6 @@ pub(super) fn take_peak(
     }
 }
 
-/// System: writes the frame of the start after the first increment of the reference stage.
-pub(super) fn write_start(
-    (script, progress): (Res<Script>, Res<ClasticProgress>),
-    mut frames: ResMut<FrameMoments>,
-    mut run: ResMut<RunDirectory>,
-) -> Result<(), OutputError> {
-    if progress.stage >= script.reference_stage()
-        && let Some(frame) = frames.start.take()
-    {
-        write(&mut run, directory::FRAME_START, &frame)?;
-    }
-    Ok(())
-}
-
 /// Writes the frame of the peak so far, unless it is on the disk.
 pub(super) fn write_peak(world: &mut World) -> Result<(), OutputError> {
     let Some(frame) = world.resource_mut::<FrameMoments>().peak.take() else { return Ok(()) };
@@ -145,7 +129,7 @@ pub(super) fn write_end(world: &mut World) -> Result<(), OutputError> {
     write(&mut world.resource_mut(), directory::FRAME_END, &frame)
 }
 
-fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), OutputError> {
+pub(super) fn write(run: &mut RunDirectory, name: &str, frame: &Frame) -> Result<(), OutputError> {
     let path = run.path(directory::FRAMES).join(name);
     let bytes = frame.tables().encode().map_err(OutputError::at(&path))?;
     run.write(path, bytes)

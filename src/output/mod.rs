@@ -53,7 +53,7 @@ mod wanted;
 pub use begin::{begin, resume};
 pub use checkpoint::Checkpoint;
 pub use error::OutputError;
-pub use finish::{Ending, finish};
+pub use finish::finish;
 pub use plugin::{OutputFailure, OutputPlugin};
 pub use run_directory::{RunDirectory, RunOptions};
 

@@ -52,7 +52,7 @@ impl Plugin for OutputPlugin {
                     events::write.pipe(halt),
                     avalanches::write_ended.pipe(halt),
                     history::write_wanted.pipe(halt),
-                    (prepared::prepare.pipe(halt), frames::write_start.pipe(halt)).chain(),
+                    prepared::prepare.pipe(halt),
                     (frames::take_peak, found::see_forces),
                     mechanism::write_first.pipe(halt),
                     frames::write_wanted.pipe(halt),

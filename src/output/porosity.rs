@@ -9,6 +9,7 @@ use clastic_components::wall::Wall;
 use crate::frames::mesh::triangles;
 
 use super::prepared::Prepared;
+use crate::run::disks::{Disks, ends};
 use crate::scene::StoredParticle;
 
 /// Porosity at the start of the reference stage: one minus the area of the disks over that of the
@@ -64,14 +65,13 @@ fn place(disk: &StoredParticle) -> DVec2 {
 
 /// Total area of the disks, m^2.
 fn total(disks: &[StoredParticle]) -> f64 {
-    disks.iter().map(|disk| std::f64::consts::PI * disk.r * disk.r).sum()
+    Disks::of(disks.iter().map(|disk| disk.r)).area
 }
 
 /// Extent of the disks along a direction, m.
 fn extent(disks: &[StoredParticle], axis: DVec2) -> Option<f64> {
-    let along = |disk: &StoredParticle| place(disk).dot(axis);
-    let spans = disks.iter().map(|disk| (along(disk) - disk.r, along(disk) + disk.r));
-    spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h))).map(|(low, high)| high - low)
+    let disks = disks.iter().map(|disk| (place(disk).dot(axis), disk.r));
+    ends(disks).map(|(low, high)| high - low)
 }
 
 #[cfg(test)]

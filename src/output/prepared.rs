@@ -14,6 +14,7 @@ use clastic_systems::gather_bodies::gather_bodies;
 
 use super::atomic::atomically;
 use super::found::{Found, Settled};
+use super::frames::FrameMoments;
 use super::run_directory::RunDirectory;
 use super::{OutputError, directory, frames, porosity};
 use crate::run::stages::{CurrentStage, Script};
@@ -57,19 +58,20 @@ pub(super) fn take_start(world: &mut World) {
     let is_reference =
         world.resource::<ClasticProgress>().stage == world.resource::<Script>().reference_stage();
     if is_reference && world.resource::<PreparedSpecimen>().waiting.is_some() {
-        frames::FrameMoments::begin(world, false);
+        FrameMoments::begin(world, false);
         let prepared = Prepared::now(world.resource(), world.resource());
         world.resource_mut::<PreparedSpecimen>().waiting = Some(prepared);
     }
 }
 
-/// Follows the specimen up to the reference stage. Writes it when that stage begins.
+/// System: follows the specimen up to the reference stage. Writes it, and its frame, after the first
+/// increment of that stage.
 pub fn prepare(
     (script, progress, observation): (Res<Script>, Res<ClasticProgress>, Res<Observation>),
     (bodies, materials, measures): (Res<BodyTable>, Res<Materials>, Res<Measures>),
     walls: Query<&Wall>,
     mut specimen: ResMut<PreparedSpecimen>,
-    mut found: ResMut<Found>,
+    (mut found, mut frames): (ResMut<Found>, ResMut<FrameMoments>),
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let is_reference = progress.stage >= script.reference_stage();
@@ -92,6 +94,9 @@ pub fn prepare(
             "at the start of the reference stage `{stage}`, before its first increment"
         ));
         write(&mut run, &prepared.rows)?;
+        if let Some(frame) = frames.start.take() {
+            frames::write(&mut run, directory::FRAME_START, &frame)?;
+        }
         if !script.scene.stages.iter().any(Stage::pours) {
             found.porosity = if is_cut(&script) {
                 porosity::within(&prepared.rows)

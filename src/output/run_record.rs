@@ -7,11 +7,11 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+use super::OutputError;
 use super::atomic::write_atomic;
 use super::drive::PeakForce;
 use super::found::Settled;
 use super::history::rigid_groups;
-use super::{Ending, OutputError};
 use crate::run::key_results::Results;
 use crate::run::sanity::Report;
 use crate::run::{Collapse, CollapsedBy, Outcome, StageEnd};
@@ -23,7 +23,7 @@ use crate::scene::format::{Acceptance, Analysis, FrictionLaw, Rupture, Solver, S
 pub const CLASTIC_VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Content of `run.json`.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub(crate) struct RunRecord {
     clastic_version: &'static str,
     format_version: u32,
@@ -105,7 +105,7 @@ pub struct Resumed {
     pub settings: Vec<String>,
 }
 
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 struct Settings {
     analysis: Analysis,
     friction_law: FrictionLaw,
@@ -139,7 +139,7 @@ pub(crate) struct OutcomeRecord {
 
 impl OutcomeRecord {
     /// Outcome of a run whose last stage and increment are given.
-    pub fn new(ending: &Ending, stage: String, increment: u64) -> Self {
+    pub fn new(outcome: Option<&Outcome>, stage: String, increment: u64) -> Self {
         let at = |status, stage, increment, message: Option<String>| Self {
             status,
             stage: Some(stage),
@@ -147,9 +147,7 @@ impl OutcomeRecord {
             collapsed_by: None,
             message,
         };
-        let Ending::Finished(outcome) = ending else {
-            return at("interrupted", stage, increment, None);
-        };
+        let Some(outcome) = outcome else { return at("interrupted", stage, increment, None) };
         match outcome.clone() {
             Outcome::Completed => at("completed", stage, increment, None),
             Outcome::Collapsed(Collapse { stage, increment, by, reason }) => {
@@ -230,15 +228,8 @@ impl RunRecord {
             },
             seeds,
             outcome: OutcomeRecord { status: "running", ..OutcomeRecord::default() },
-            stages: Vec::new(),
-            increments: 0,
-            capped_increments: 0,
-            specimen_csv: None,
-            settled: None,
-            sanity: Report::default(),
-            peak_force: None,
-            results: Results::default(),
             conventions: IndexMap::from(CONVENTIONS),
+            ..Self::default()
         }
     }
 
@@ -252,12 +243,7 @@ impl RunRecord {
 
 /// SHA-256 hash of some bytes, in hexadecimal digits.
 pub fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
-/// The bytes in hexadecimal digits, two for each.
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]

@@ -36,7 +36,7 @@ const SCENE: &str = r#"(
 
 fn run(directory: &Path, stop_after: u64) -> Result<Results, Box<dyn Error>> {
     let loaded = from_str(SCENE, Path::new("elsewhere/two.ron"), Path::new(""), &[])?;
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(crate::run::app(OutputPlugin), &loaded.scene, None);
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![3],
@@ -45,10 +45,10 @@ fn run(directory: &Path, stop_after: u64) -> Result<Results, Box<dyn Error>> {
     begin(simulation.world_mut(), options, &loaded)?;
     for _ in 0..stop_after {
         if let Step::Finished(outcome) = simulation.step() {
-            return Ok(finish(simulation.world_mut(), &Ending::Finished(outcome))?);
+            return Ok(finish(simulation.world_mut(), Some(&outcome))?);
         }
     }
-    Ok(finish(simulation.world_mut(), &Ending::Interrupted)?)
+    Ok(finish(simulation.world_mut(), None)?)
 }
 
 /// Names and contents of all files except the timings.
@@ -127,11 +127,11 @@ fn a_stage_says_what_is_recorded() -> Result<(), Box<dyn Error>> {
     let parent = tempfile::tempdir()?;
     let set = ["stages.pull.record=(every: 3, frames_every: 0, frames: [1, 4])".to_owned()];
     let loaded = from_str(SCENE, Path::new("two.ron"), Path::new(""), &set)?;
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(crate::run::app(OutputPlugin), &loaded.scene, None);
     let options = RunOptions { directory: parent.path().to_owned(), ..Default::default() };
     begin(simulation.world_mut(), options, &loaded)?;
     let outcome = simulation.run();
-    finish(simulation.world_mut(), &Ending::Finished(outcome))?;
+    finish(simulation.world_mut(), Some(&outcome))?;
     let written = |name: &str| fs::read_to_string(parent.path().join(name));
     // Every third increment, and the last.
     for file in [directory::HISTORY, directory::TIMINGS] {

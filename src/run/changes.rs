@@ -12,7 +12,7 @@ use clastic_components::increment::ClasticProgress;
 use super::state::StateView;
 use super::wall_controls::motion;
 use super::walls::find_walls;
-use crate::scene::format::{CellTarget, Load, Scene, Stage};
+use crate::scene::format::{CellTarget, Load, Scale, Scene, Stage};
 
 /// Changes in `new` that are not permitted when a run under `old` has reached `state`, each with a
 /// reason.
@@ -103,7 +103,8 @@ fn stage_under_way(old: &Load, new: &Load, state: &StateView) -> Option<&'static
         let all = [cell.xx, cell.yy, cell.shear, cell.mean, cell.difference];
         all.into_iter().flatten().any(|target| target != CellTarget::Fixed)
     });
-    ((state.ramps || cell_moves || !old.scale.is_default()) && old.increments != new.increments)
+    ((state.ramps || cell_moves || old.scale != Scale::default())
+        && old.increments != new.increments)
         .then_some("it is under way, and a load reaches its target at the end of its `increments`")
 }
 
@@ -115,7 +116,8 @@ pub fn apply(world: &mut World, old: &Scene, new: &Scene, state: &StateView) {
     let (Some(old), Some(new)) = (load(old), load(new)) else {
         return;
     };
-    if !state.is_within_stage() || old == new {
+    // After its last increment a stage goes on if it gets more of them.
+    if !state.begun || state.ended || old == new {
         return;
     }
     if old.increments != new.increments {

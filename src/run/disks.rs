@@ -64,7 +64,7 @@ pub(super) fn radii(world: &mut World) -> Vec<f64> {
 }
 
 /// Lowest and highest of some points, each with a reach about it, m.
-pub(super) fn ends(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
+pub(crate) fn ends(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
     let spans = points.map(|(at, reach)| (at - reach, at + reach));
     spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
 }

@@ -39,13 +39,8 @@ pub fn begin(world: &mut World, stage: &scene::Load) {
     membranes::control_membranes(world, stage, &confining);
 }
 
-/// Sets up the part of a plugin's stage that the scene defines. The systems of the plugin do the
-/// rest.
-pub(crate) fn begin_custom(world: &mut World, stage: &scene::CustomStage) {
-    set_up(world, stage.analysis, stage.gravity, stage.increments);
-}
-
-fn set_up(
+/// Sets up what a scene defines of every stage that loads, also of those of plugins.
+pub(super) fn set_up(
     world: &mut World,
     kind: Option<scene::Analysis>,
     gravity: Option<(f64, f64)>,

@@ -93,21 +93,11 @@ impl Simulation {
     /// A world with the particles, walls and explicit bonds of the scene, before its first stage.
     /// `stored` is the content of the specimen file, if the scene names one.
     pub fn new(scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
-        Self::with_plugins(scene, stored, ())
-    }
-
-    /// A world as [`new`](Self::new) makes it, with plugins of your own, which may provide stages
-    /// and state.
-    pub fn with_plugins<M>(
-        scene: &Scene,
-        stored: Option<&StoredSpecimen>,
-        plugins: impl Plugins<M>,
-    ) -> Self {
-        Self::in_app(app(plugins), scene, stored)
+        Self::in_app(app(()), scene, stored)
     }
 
     /// Adds the scene to an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your
-    /// own.
+    /// own ([`app`]), which may provide stages and state.
     pub fn in_app(mut app: App, scene: &Scene, stored: Option<&StoredSpecimen>) -> Self {
         spawn::spawn_scene(app.world_mut(), scene, stored);
         Self { app }
@@ -119,24 +109,11 @@ impl Simulation {
     /// # Errors
     /// If the state has an entry that no plugin registers, or that cannot be decoded.
     pub fn resume(scene: &Scene, state: &WorldState) -> Result<Self, StateError> {
-        Self::resume_with(scene, state, ())
+        Self::resume_in(app(()), scene, state)
     }
 
-    /// A world as [`resume`](Self::resume) makes it, with the plugins with which the state was
-    /// made.
-    ///
-    /// # Errors
-    /// If the state has an entry that no plugin registers, or that cannot be decoded.
-    pub fn resume_with<M>(
-        scene: &Scene,
-        state: &WorldState,
-        plugins: impl Plugins<M>,
-    ) -> Result<Self, StateError> {
-        Self::resume_in(app(plugins), scene, state)
-    }
-
-    /// Restores a state in an app that has [`ClasticPlugins`], [`ScenePlugin`] and plugins of your
-    /// own.
+    /// Restores a state in an app that has [`ClasticPlugins`], [`ScenePlugin`] and the plugins with
+    /// which the state was made.
     ///
     /// # Errors
     /// If the state has an entry that no plugin registers, or that cannot be decoded.

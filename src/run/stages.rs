@@ -124,7 +124,9 @@ pub(super) fn begin_built_in(world: &mut World) {
         Stage::Remove(stage) => remove::remove(world, &stage),
         Stage::Load(stage) => load::begin(world, &stage),
         Stage::Pour(stage) => pour::begin(world, &stage),
-        Stage::Custom(stage) => load::begin_custom(world, &stage),
+        Stage::Custom(stage) => {
+            load::set_up(world, stage.analysis, stage.gravity, stage.increments);
+        }
     }
 }
 

@@ -209,10 +209,4 @@ impl StateView {
             specimen,
         })
     }
-
-    /// Whether the current stage has begun and may go on. After its last increment it goes on if it
-    /// gets more of them.
-    pub(crate) fn is_within_stage(&self) -> bool {
-        self.begun && !self.ended
-    }
 }

@@ -69,7 +69,7 @@ fn reach(piece: &Piece) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::wall_pieces::drawn as wall;
+    use crate::run::wall_pieces::tests::drawn as wall;
 
     const DISKS: [(DVec2, f64); 3] =
         [(DVec2::new(0.0, 0.0), 1.0), (DVec2::new(3.0, 0.5), 0.5), (DVec2::new(9.0, -2.0), 1.5)];

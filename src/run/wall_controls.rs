@@ -85,8 +85,7 @@ pub(super) fn motion(control: &Wanted) -> Option<WallControl> {
         Wanted::Spin { about, angular_velocity } => {
             Some(WallControl::Spin { about: about.into(), rate: angular_velocity })
         }
-        Wanted::Fixed | Wanted::Custom | Wanted::Force(_) | Wanted::Stress { .. } => None,
-        Wanted::Lid { .. } | Wanted::Follow(_) => None,
+        _ => None,
     }
 }
 

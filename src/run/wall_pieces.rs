@@ -119,25 +119,28 @@ fn arc(start: DVec2, through: DVec2, end: DVec2) -> Piece {
     Piece { position, wall, shape }
 }
 
-/// A wall of this shape, for tests.
 #[cfg(test)]
-pub(super) fn drawn(start: (f64, f64), end: (f64, f64), shape: scene::WallShape) -> scene::Wall {
-    scene::Wall {
-        name: "w".into(),
-        start,
-        end,
-        shape,
-        contact: scene::Contact::default(),
-        bond: None,
-        present: true,
-        touching: false,
-        probe: None,
-    }
-}
-
-#[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+
+    /// A wall of this shape.
+    pub(in crate::run) fn drawn(
+        start: (f64, f64),
+        end: (f64, f64),
+        shape: scene::WallShape,
+    ) -> scene::Wall {
+        scene::Wall {
+            name: "w".into(),
+            start,
+            end,
+            shape,
+            contact: scene::Contact::default(),
+            bond: None,
+            present: true,
+            touching: false,
+            probe: None,
+        }
+    }
 
     fn of(shape: scene::WallShape, start: (f64, f64), end: (f64, f64)) -> Vec<Piece> {
         let wall = drawn(start, end, shape);

@@ -64,15 +64,6 @@ pub enum SavedError {
     /// The file or one of its arrays is wrong.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// The arrays hold another kind of data.
-    #[error("not a saved state: {0}")]
-    Foreign(String),
-    /// The file is of another version of the format.
-    #[error(
-        "a state of format {0}, and this clastic reads format {VERSION}; save it again with this \
-         clastic"
-    )]
-    Version(String),
     /// A part of the world cannot be encoded or decoded.
     #[error(transparent)]
     State(#[from] StateError),
@@ -143,24 +134,27 @@ impl SavedState {
     ///
     /// # Errors
     /// If they are no state, or of another version, or damaged.
-    pub fn read(tables: &Tables) -> Result<Self, SavedError> {
-        let format = match tables.text("format", &[]) {
-            Ok(format) => format[0].as_str(),
+    pub fn read(tables: &Tables) -> Result<Self, TableError> {
+        let foreign = |what: String| Err(TableError::Foreign(what));
+        let format: String = match tables.single("format") {
             Err(TableError::Missing(_)) => {
-                let what = "no array `format`; give the `.npz` file of a `Save` stage, or the \
+                let what = "not a saved state: no array `format`; give the `.npz` file of a `Save` stage, or the \
                             `final_state.npz` of a run";
-                return Err(SavedError::Foreign(what.to_owned()));
+                return foreign(what.to_owned());
             }
-            Err(error) => return Err(error.into()),
+            format => format?,
         };
         match format.strip_prefix(FORMAT).map(str::trim) {
-            None => return Err(SavedError::Foreign(format!("it is `{format}`"))),
+            None => return foreign(format!("not a saved state: it is `{format}`")),
             Some(version) if version != VERSION.to_string() => {
-                return Err(SavedError::Version(version.to_owned()));
+                return foreign(format!(
+                    "a state of format {version}, and this clastic reads format {VERSION}; save it again with \
+                     this clastic"
+                ));
             }
             Some(_) => {}
         }
-        let bytes = tables.u8(STATE, &[tables.rows(STATE)?])?;
-        Ok(postcard::from_bytes(bytes).map_err(|error| encoding(&error))?)
+        let bytes = tables.values(STATE, &[tables.rows(STATE)?])?;
+        postcard::from_bytes(bytes).map_err(|error| encoding(&error))
     }
 }

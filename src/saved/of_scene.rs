@@ -38,14 +38,6 @@ impl SavedState {
         Ok(seen.collect())
     }
 
-    /// Names of the rigid groups, in the order of identities.
-    ///
-    /// # Errors
-    /// If the world does not have them.
-    pub fn rigid_groups(&self) -> Result<Vec<String>, StateError> {
-        self.groups_with(|_| true)
-    }
-
     /// Names of the rigid groups that have walls.
     ///
     /// # Errors
@@ -56,7 +48,11 @@ impl SavedState {
         self.groups_with(|group| group.members.iter().any(is_wall))
     }
 
-    fn groups_with(&self, has: impl Fn(&RigidGroup) -> bool) -> Result<Vec<String>, StateError> {
+    /// Names of some rigid groups, in the order of identities.
+    pub(crate) fn groups_with(
+        &self,
+        has: impl Fn(&RigidGroup) -> bool,
+    ) -> Result<Vec<String>, StateError> {
         let groups = self.world.components::<BodyId, RigidGroup>("rigid_group")?.into_iter();
         Ok(groups.filter(|(_, group)| has(group)).map(|(_, group)| group.name).collect())
     }

@@ -67,35 +67,16 @@ pub enum LoadError {
 /// # Errors
 /// See [`LoadError`]. All mistakes of a scene are reported at once.
 pub fn load(path: &Path, sets: &[String]) -> Result<LoadedScene, LoadError> {
-    load_with(path, sets, |_| Vec::new())
+    load_with(path, sets, true, |_| Vec::new())
 }
 
-/// Like [`load`], with further findings of the program that runs the scene.
+/// Like [`load`], with further findings of the program that runs the scene. Of a scene that is not
+/// prepared the saved state is still to be made: what depends on the state is not checked, and the
+/// scene that it returns has no specimen.
 ///
 /// # Errors
 /// See [`LoadError`].
 pub fn load_with(
-    path: &Path,
-    sets: &[String],
-    further: impl FnOnce(&Scene) -> Vec<Finding>,
-) -> Result<LoadedScene, LoadError> {
-    load_file(path, sets, true, further)
-}
-
-/// Like [`load_with`], for a scene whose saved state is still to be made. What depends on the state
-/// is not checked, and the scene that it returns has no specimen.
-///
-/// # Errors
-/// See [`LoadError`].
-pub fn load_unprepared(
-    path: &Path,
-    sets: &[String],
-    further: impl FnOnce(&Scene) -> Vec<Finding>,
-) -> Result<LoadedScene, LoadError> {
-    load_file(path, sets, false, further)
-}
-
-fn load_file(
     path: &Path,
     sets: &[String],
     is_prepared: bool,
@@ -179,8 +160,7 @@ fn from_text(
     let values = values::put_in(&mut root, &spared);
     let (mut scene, mut notes) = read::read::<Scene>(&root);
     notes.made_up.extend(values.made_up);
-    placed.extend(values.placed);
-    placed.extend(notes.placed);
+    placed.extend(values.placed.into_iter().chain(notes.placed));
     let mut csv_errors = None;
     let mut specimen = None;
     if let Some(scene) = &mut scene {

@@ -2,7 +2,7 @@
 //!
 //! A scene goes from text to [`LoadedScene`] in four steps: [`overrides`] edits the text,
 //! [`text`](crate::text) reads it into the types of [`format`](mod@format), [`specimen_file`] reads a
-//! stored specimen, and [`validate`] checks the meaning. All of them go on past a mistake, so that a user
+//! stored specimen, and `validate` checks the meaning. All of them go on past a mistake, so that a user
 //! sees every mistake at once.
 
 mod coincident;
@@ -19,10 +19,10 @@ pub mod specimen_file;
 pub mod stored_state;
 #[cfg(test)]
 mod tests;
-pub mod validate;
+pub(crate) mod validate;
 
 pub use crate::text::diagnostic::{Diagnostic, Finding, SceneErrors};
 pub use limits::{MAX_MEMORY, MAX_PARTICLES};
-pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_unprepared, load_with};
+pub use load::{LoadError, LoadedScene, from_str, from_str_with, load, load_with};
 pub use overrides::SetError;
 pub use stored_state::{StoredMembrane, StoredParticle, StoredSpecimen, StoredState};

@@ -17,7 +17,7 @@ use clastic_systems::state::{StateError, WorldState};
 
 use super::files::read_at_most;
 use super::format::{Cell, Scene, Specimen, Wall};
-use crate::saved::{SavedError, SavedState};
+use crate::saved::SavedState;
 use crate::tables::Tables;
 use crate::text::diagnostic::SceneErrors;
 
@@ -122,11 +122,11 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
     read().map_err(refuse)
 }
 
-fn stored(saved: SavedState) -> Result<StoredSpecimen, SavedError> {
+fn stored(saved: SavedState) -> Result<StoredSpecimen, StateError> {
     let names: Vec<&String> = saved.materials.iter().map(|(name, _)| name).collect();
     let (rows, indices) = rows(&saved.world, "position", &names)?;
     let (walls, membranes) = (saved.walls_now()?, saved.membranes()?);
-    let rigid = saved.rigid_groups()?;
+    let rigid = saved.groups_with(|_| true)?;
     let saved = Arc::new(saved);
     let taken = (walls, membranes);
     let state = StoredState::of(&saved.world, taken, rigid, Some(Arc::clone(&saved)))?;

@@ -8,7 +8,7 @@
 //! tables.put("radius_m", Array::column([1.0e-3, 2.0e-3]));
 //! tables.put("name", Array::column(["sand".to_owned()]));
 //! let read = Tables::decode(&tables.encode()?)?;
-//! assert_eq!(read.f64("radius_m", &[2])?, [1.0e-3, 2.0e-3]);
+//! assert_eq!(read.values::<f64>("radius_m", &[2])?, [1.0e-3, 2.0e-3]);
 //! # Ok::<(), clastic::tables::TableError>(())
 //! ```
 
@@ -101,22 +101,7 @@ impl Tables {
     }
 }
 
-/// Getters for one type of values each.
-macro_rules! getters {
-    ($($name:ident: $type:ty),*) => {$(
-        /// The values of an array of this type and shape, see [`values`](Self::values).
-        ///
-        /// # Errors
-        /// As of [`values`](Self::values).
-        pub fn $name(&self, name: &str, shape: &[usize]) -> Result<&[$type], TableError> {
-            self.values(name, shape)
-        }
-    )*};
-}
-
 impl Tables {
-    getters!(f64: f64, u32: u32, u64: u64, u8: u8, text: String);
-
     /// The values of an array of this type and shape, row by row.
     ///
     /// # Errors
@@ -132,6 +117,14 @@ impl Tables {
             return Err(TableError::at(name, what));
         }
         Ok(values)
+    }
+
+    /// The value of an array without dimensions.
+    ///
+    /// # Errors
+    /// As of [`values`](Self::values).
+    pub fn single<T: Value>(&self, name: &str) -> Result<T, TableError> {
+        Ok(self.values::<T>(name, &[])?[0].clone())
     }
 
     /// Rows of `N` numbers each: an array of the shape (`rows`, `N`).
@@ -170,11 +163,11 @@ mod tests {
     fn values_of_another_type_or_shape_are_named() {
         let tables = tables();
         let said = |error: Result<&[f64], TableError>| error.unwrap_err().to_string();
-        assert_eq!(said(tables.f64("y_m", &[2])), "no array `y_m`");
+        assert_eq!(said(tables.values::<f64>("y_m", &[2])), "no array `y_m`");
         let type_ = "array `id`: type `uint32` where `float64` is expected";
-        assert_eq!(said(tables.f64("id", &[2])), type_);
+        assert_eq!(said(tables.values::<f64>("id", &[2])), type_);
         let shape = "array `x_m`: shape [2, 2] where [3, 2] is expected";
-        assert_eq!(said(tables.f64("x_m", &[3, 2])), shape);
+        assert_eq!(said(tables.values::<f64>("x_m", &[3, 2])), shape);
         assert_eq!(tables.rows("held").unwrap(), 3);
         assert_eq!(tables.rows("time_s").unwrap(), 1);
     }

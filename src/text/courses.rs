@@ -8,11 +8,12 @@ use std::iter::once;
 
 use super::diagnostic::{Finding, Placed};
 use super::expression::{Expression, parse};
+use super::read::Notes;
 use super::spans::{join, unwrapped};
 use super::suggest;
 use super::tree::{Node, Shape};
 use super::units;
-use super::values::{Values, a_number, help, stands};
+use super::values::{a_number, help, stands};
 
 /// Maximum number of points that expressions stand for in a scene. A slip in `increments` must not
 /// fill the memory.
@@ -127,7 +128,7 @@ impl<'t> Course<'_, 't> {
         of: &impl Fn(&str) -> Option<f64>,
         left: &mut f64,
         findings: &mut Vec<Finding>,
-        values: &mut Values,
+        notes: &mut Notes,
     ) -> Node<'t> {
         let number = |node: &Node| parse(node.literal).ok()?.value(of);
         // Wrong numbers of increments and time steps have messages of their own.
@@ -172,7 +173,7 @@ impl<'t> Course<'_, 't> {
             k += 1.0;
         }
         if is_made_up {
-            values.made_up.push(self.path.clone());
+            notes.made_up.push(self.path.clone());
             points = [0.0, 1.0].map(|x| [vec![x], vec![0.0; self.parts.len()]].concat()).to_vec();
         }
         let Part { node: first, .. } = &self.parts[0];
@@ -181,7 +182,7 @@ impl<'t> Course<'_, 't> {
             let numbers = nodes().zip(point).map(|(node, x)| node.as_number(&format!("{x:?}")));
             first.as_group(Shape::Tuple, numbers)
         });
-        values.tables.push((self.path.clone(), increments));
+        notes.tables.push((self.path.clone(), increments));
         first.as_group(Shape::List, points)
     }
 

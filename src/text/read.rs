@@ -71,10 +71,12 @@ pub(super) struct Context<'a> {
     pub notes: RefCell<Notes>,
 }
 
-/// What a reading has recorded.
+/// What a reading has recorded, and before it the putting in of values.
 #[derive(Default)]
 pub(crate) struct Notes {
     pub placed: Vec<Placed>,
+    /// Tables that expressions stood for: path and number of increments.
+    pub tables: Vec<(String, f64)>,
     /// Paths of values that were made up. Findings about them are not reported.
     pub made_up: Vec<String>,
     /// Misspelt fields: the correct path and the path as written, outer fields first.

@@ -13,22 +13,11 @@ use super::scan::{scan, unquote};
 pub use super::tree::Span;
 use super::tree::{Entry, Key, Node, Shape};
 
-/// The places of all fields of a text.
-#[derive(Clone, Debug)]
-pub struct Spans<'t>(Option<Node<'t>>);
-
-impl<'t> Spans<'t> {
-    /// Scans a text. A text with unbalanced brackets has no places.
-    pub fn of(text: &'t str) -> Self {
-        Self(scan(text).0)
-    }
-
-    /// Span of a value.
-    pub fn value(&self, path: &str) -> Option<Span> {
-        let steps = parse_path(path)?;
-        let found = descend(self.0.as_ref()?, &steps);
-        (found.depth == steps.len()).then(|| found.node.span.clone())
-    }
+/// Span of a value in a text. One with unbalanced brackets has no places.
+pub fn span_of(text: &str, path: &str) -> Option<Span> {
+    let (root, steps) = (scan(text).0?, parse_path(path)?);
+    let found = descend(&root, &steps);
+    (found.depth == steps.len()).then(|| found.node.span.clone())
 }
 
 /// Byte of a field: that of its value or its key. For a missing field it is that of the innermost

@@ -6,9 +6,10 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::courses::{self, Part};
-use super::diagnostic::{Finding, Placed, place};
+use super::diagnostic::{Finding, place};
 use super::dimension::{Dimension, Known, conflict, solve};
 use super::expression::{Expression, parse};
+use super::read::Notes;
 use super::spans::{is_group, join};
 use super::suggest;
 use super::tree::{Entry, Node, Shape, Span};
@@ -58,17 +59,6 @@ pub(crate) fn names(root: &Node) -> Vec<String> {
     defined_names(root).into_keys().collect()
 }
 
-/// What names and expressions of a text have come to.
-#[derive(Default)]
-pub(crate) struct Values {
-    /// Mistakes in the use of names and expressions.
-    pub placed: Vec<Placed>,
-    /// Tables that expressions stood for: path and number of increments.
-    pub tables: Vec<(String, f64)>,
-    /// Paths of tables and numbers that are made up.
-    pub made_up: Vec<String>,
-}
-
 /// Names that stand in the numbers of a text.
 pub(crate) fn used(root: &Node) -> BTreeSet<String> {
     let mut uses = Vec::new();
@@ -78,10 +68,10 @@ pub(crate) fn used(root: &Node) -> BTreeSet<String> {
 
 /// Puts numbers in place of names and expressions. Names that are `spared` need no use: a setting has
 /// taken it.
-pub(crate) fn put_in(root: &mut Node, spared: &BTreeSet<String>) -> Values {
-    let (values, mut replacements) = replacements(root, spared);
+pub(crate) fn put_in(root: &mut Node, spared: &BTreeSet<String>) -> Notes {
+    let (notes, mut replacements) = replacements(root, spared);
     replace(root, &mut replacements);
-    values
+    notes
 }
 
 /// Values by the byte of the first value that each replaces, and the number of values.
@@ -101,8 +91,8 @@ fn replace<'t>(node: &mut Node<'t>, replacements: &mut Replacements<'t>) {
     }
 }
 
-fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Values, Replacements<'t>) {
-    let mut values = Values::default();
+fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Notes, Replacements<'t>) {
+    let mut notes = Notes::default();
     let places = defined_names(root);
     let mut uses = Vec::new();
     walk(root, String::new(), None, &mut uses);
@@ -135,7 +125,7 @@ fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Values, Repl
             (_, Some(value)) if value.is_finite() => at.node.as_number(&value.to_string()),
             // A name of `let` without a number has a message there.
             (_, None) if !at.path.starts_with("let.") => {
-                values.made_up.push(at.path.clone());
+                notes.made_up.push(at.path.clone());
                 at.node.as_group(Shape::MadeUp, [])
             }
             _ => continue,
@@ -145,11 +135,11 @@ fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Values, Repl
     let names: Vec<String> = places.into_keys().collect();
     let mut left = courses::MOST;
     for course in &courses {
-        let points = course.sample(&names, &value, &mut left, &mut findings, &mut values);
+        let points = course.sample(&names, &value, &mut left, &mut findings, &mut notes);
         replacements.insert(course.parts[0].node.span.start, (points, course.parts.len()));
     }
-    values.placed = place(root, findings, &[]);
-    (values, replacements)
+    notes.placed = place(root, findings, &[]);
+    (notes, replacements)
 }
 
 /// Values of names, and their texts.

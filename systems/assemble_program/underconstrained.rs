@@ -11,7 +11,7 @@ use clastic_cone::adjacency::Adjacency;
 use clastic_cone::program::{ConeProgram, Dof, Interaction};
 
 use super::Trial;
-use crate::measures::fragments::{join, root};
+use crate::measures::fragments::connected;
 
 /// Whether an interaction is stiff at the start of the increment: a bond, or a closed contact.
 /// `pair` are the rows of its bodies in the memory.
@@ -79,17 +79,13 @@ fn clusters(
     freedom: &[usize],
 ) -> Vec<Vec<usize>> {
     let n = program.bodies.len();
-    let mut parents: Vec<u32> = (0..n as u32).collect();
     let takes_part = |i: usize| !found[i] && freedom[i] > 0;
-    for c in stiff {
-        if takes_part(c.a as usize) && takes_part(c.b as usize) {
-            // The lower row becomes the root, so that clusters are ordered by their first body.
-            join(&mut parents, c.a, c.b);
-        }
-    }
+    let pairs = stiff.iter().map(|c| (c.a, c.b));
+    let pairs = pairs.filter(|(a, b)| takes_part(*a as usize) && takes_part(*b as usize));
+    // Clusters are ordered by their first body.
     let mut members = vec![Vec::new(); n];
-    for i in (0..n).filter(|i| takes_part(*i)) {
-        members[root(&mut parents, i as u32) as usize].push(i);
+    for (i, first) in connected(n, pairs).into_iter().enumerate().filter(|(i, _)| takes_part(*i)) {
+        members[first as usize].push(i);
     }
     members.retain(|m| !m.is_empty());
     members

@@ -110,7 +110,7 @@ fn max_approach(before: &[DVec2], now: &[DVec2]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detect_contacts::test_packings::*;
+    use crate::detect_contacts::tests::*;
     use proptest::prelude::*;
 
     /// Brings the list up to date and checks it against all pairs.

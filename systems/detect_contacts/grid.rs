@@ -211,7 +211,7 @@ fn classify(positions: &[DVec2], radii: &[f64], reach: f64) -> (Vec<Disk>, Vec<C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detect_contacts::test_packings::*;
+    use crate::detect_contacts::tests::*;
     use proptest::prelude::*;
 
     fn check(positions: &[DVec2], radii: &[f64], reach: f64) -> usize {

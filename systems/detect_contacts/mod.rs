@@ -12,7 +12,7 @@ pub mod gaps;
 pub mod grid;
 pub mod periodic;
 #[cfg(test)]
-mod test_packings;
+mod tests;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

@@ -54,7 +54,7 @@ pub fn pairs_within(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detect_contacts::test_packings::{Random, uniform};
+    use crate::detect_contacts::tests::{Random, uniform};
     use clastic_components::cell::CellControl;
 
     /// In cells of any tilt, with disks anywhere, the pairs are those of the nearest images.

@@ -18,7 +18,7 @@ use clastic_cone::program::{ConeProgram, Dof, Interaction, ProgramBody};
 use clastic_cone::residuals::Carrying;
 
 use super::push_out::residual_overlap;
-use crate::measures::fragments::{join, root};
+use crate::measures::fragments::connected;
 use crate::solved::{Solved, SolvedTables};
 
 /// Gain of energy of a cluster, over the energy that it exchanges, which does not count: the
@@ -90,13 +90,11 @@ struct Clusters {
 impl Clusters {
     fn new(program: &ConeProgram, carrying: &Carrying) -> Self {
         let is_free: Vec<bool> = program.bodies.iter().map(ProgramBody::is_free).collect();
-        let mut parents: Vec<u32> = (0..program.bodies.len() as u32).collect();
-        for (k, c) in program.interactions.iter().enumerate() {
-            if carrying.is_carrying(k) && is_free[c.a as usize] && is_free[c.b as usize] {
-                join(&mut parents, c.a, c.b);
-            }
-        }
-        Self { root: (0..parents.len() as u32).map(|i| root(&mut parents, i)).collect(), is_free }
+        let are_free = |c: &Interaction| is_free[c.a as usize] && is_free[c.b as usize];
+        let all = program.interactions.iter().enumerate();
+        let pairs = all.filter(|(k, c)| carrying.is_carrying(*k) && are_free(c));
+        let root = connected(program.bodies.len(), pairs.map(|(_, c)| (c.a, c.b)));
+        Self { root, is_free }
     }
 
     /// The cluster of an interaction: that of the body that can move.

@@ -7,34 +7,31 @@ use clastic_components::measure::FragmentPart;
 /// and rigid groups connect; walls do not.
 pub fn fragments(bodies: &BodyTable) -> Vec<u32> {
     let n = bodies.particles as u32;
-    let mut parents: Vec<u32> = (0..n).collect();
-    for bond in bodies.bonds.iter().filter(|bond| bond.b < n) {
-        join(&mut parents, bond.a, bond.b);
+    let bonds = bodies.bonds.iter().filter(|bond| bond.b < n).map(|bond| (bond.a, bond.b));
+    let members = |group| bodies.particles_of(group).map(|row| row as u32);
+    let groups = bodies.groups.iter().flat_map(|group| members(group).zip(members(group).skip(1)));
+    connected(bodies.particles, bonds.chain(groups))
+}
+
+/// The first of the rows that pairs connect with each of `n` rows.
+pub fn connected(n: usize, pairs: impl Iterator<Item = (u32, u32)>) -> Vec<u32> {
+    let mut parents: Vec<u32> = (0..n as u32).collect();
+    for (a, b) in pairs {
+        // The lower row becomes the root, so that the result does not depend on the order.
+        let (a, b) = (root(&mut parents, a), root(&mut parents, b));
+        parents[a.max(b) as usize] = a.min(b);
     }
-    for group in &bodies.groups {
-        let mut members = bodies.particles_of(group);
-        let Some(first) = members.next() else { continue };
-        for member in members {
-            join(&mut parents, first as u32, member as u32);
-        }
-    }
-    (0..n).map(|row| root(&mut parents, row)).collect()
+    (0..n as u32).map(|row| root(&mut parents, row)).collect()
 }
 
 /// The root of a row in a forest of parents.
-pub(crate) fn root(parents: &mut [u32], mut row: u32) -> u32 {
+fn root(parents: &mut [u32], mut row: u32) -> u32 {
     while parents[row as usize] != row {
         let above = parents[parents[row as usize] as usize];
         parents[row as usize] = above;
         row = above;
     }
     row
-}
-
-/// The lower row becomes the root, so that the result does not depend on the order of bonds.
-pub(crate) fn join(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parents, a), root(parents, b));
-    parents[a.max(b) as usize] = a.min(b);
 }
 
 /// A reading of the fragments. `None` without particles.

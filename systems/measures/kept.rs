@@ -51,18 +51,7 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
             let mut moving = world.query::<Moving>();
             Some(kinetic_energy(moving.iter(world)))
         }
-        Quantity::Coordination { .. }
-        | Quantity::Broken(_)
-        | Quantity::BrokenShare(_)
-        | Quantity::VolumetricStrain
-        | Quantity::DilationAngle { .. }
-        | Quantity::Fabric { .. }
-        | Quantity::ElasticEnergy
-        | Quantity::KineticOverElastic
-        | Quantity::Custom(_)
-        | Quantity::Gravity
-        | Quantity::StrengthFactor
-        | Quantity::Time => None,
+        _ => None,
     }
 }
 

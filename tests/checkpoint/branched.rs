@@ -179,7 +179,7 @@ fn uncemented_static_under_both_friction_laws() {
         let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
         let tables = Tables::decode(&state).unwrap();
         let n = tables.rows("contacts.q_n").unwrap();
-        let shear = tables.f64("contacts.q_n", &[n]).unwrap();
+        let shear = tables.values::<f64>("contacts.q_n", &[n]).unwrap();
         assert!(shear.iter().filter(|q| q.abs() > 1.0).count() > 300, "{law}");
     }
 }
@@ -334,7 +334,8 @@ fn rolling_moments_are_those_of_the_state() {
     same_in_two("ROLLING", &common, [first, second], parent.path());
     let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
     let state = Tables::decode(&state).unwrap();
-    let moments = state.f64("contacts.tau_nm", &[state.rows("contacts.tau_nm").unwrap()]).unwrap();
+    let moments =
+        state.values::<f64>("contacts.tau_nm", &[state.rows("contacts.tau_nm").unwrap()]).unwrap();
     assert!(moments.iter().any(|moment| moment.abs() > 1e-6), "{moments:?}");
 }
 
@@ -548,7 +549,7 @@ fn periodic_cells_in_both_analyses_under_both_laws() {
             assert!(error.contains("cell: the state has a periodic cell already"), "{error}");
             let state = fs::read(parent.path().join("a/state_kept.npz")).unwrap();
             let tables = Tables::decode(&state).unwrap();
-            let size = tables.f64("cell.size_m", &[3]).unwrap();
+            let size = tables.values::<f64>("cell.size_m", &[3]).unwrap();
             assert!(size[0] < 0.08 && size[1] < 0.08 && size[2] > 1e-4, "{size:?}");
             same_from_anywhere(&from, |n| n % 2 == 1);
         }

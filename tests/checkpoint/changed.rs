@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clastic::components::attempt::IncrementStatus;
 use clastic::components::observation::Observation;
-use clastic::output::{self, Checkpoint, Ending, OutputPlugin, RunOptions, directory};
+use clastic::output::{self, Checkpoint, OutputPlugin, RunOptions, directory};
 use clastic::run::state::StateView;
 use clastic::run::{Outcome, Simulation, Step, changes};
 use clastic::scene::{self, LoadedScene};
@@ -132,13 +132,13 @@ fn what_may_change_depends_on_how_far_the_run_has_come() {
 fn a_stage_under_way_goes_on_longer_and_slower() {
     let loaded = parse(COULOMB);
     let parent = tempfile::tempdir().unwrap();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, None);
     let options = RunOptions { directory: parent.path().to_owned(), ..Default::default() };
     output::begin(simulation.world_mut(), options, &loaded).unwrap();
     for _ in 0..5 {
         simulation.step();
     }
-    output::finish(simulation.world_mut(), &Ending::Interrupted).unwrap();
+    output::finish(simulation.world_mut(), None).unwrap();
     drop(simulation);
     resume(
         parent.path(),

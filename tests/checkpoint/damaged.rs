@@ -21,7 +21,7 @@ fn a_scene_names_the_file_and_the_array() {
     let mut simulation = Simulation::new(&loaded.scene, loaded.specimen.as_ref());
     simulation.run();
     let sound = saved::save(simulation.world_mut()).unwrap();
-    let state = sound.u8("state", &[sound.rows("state").unwrap()]).unwrap();
+    let state = sound.values::<u8>("state", &[sound.rows("state").unwrap()]).unwrap();
     let with = |array: Array| {
         let mut changed = sound.clone();
         changed.put("state", array);

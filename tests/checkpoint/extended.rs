@@ -29,7 +29,8 @@ fn extend(directory: &Path, text: &str) -> Vec<String> {
         return refused;
     }
     let mut simulation =
-        Simulation::resume_with(&loaded.scene, &checkpoint.world, OutputPlugin).unwrap();
+        Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, &checkpoint.world)
+            .unwrap();
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
     output::resume(simulation.world_mut(), directory, checkpoint, &loaded, &[], None).unwrap();
     finish(&mut simulation, &mut |_| {});

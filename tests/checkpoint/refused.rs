@@ -84,11 +84,12 @@ fn a_directory_that_lost_rows_or_is_in_use_is_refused() {
     let try_resume = || {
         let checkpoint = Checkpoint::read(dir).unwrap();
         let state = &checkpoint.world;
-        let mut other = Simulation::resume_with(&loaded.scene, state, OutputPlugin).unwrap();
+        let mut other =
+            Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, state).unwrap();
         output::resume(other.world_mut(), dir, checkpoint, &loaded, &[], None)
             .map_err(|e| e.to_string())
     };
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, None);
     let options =
         RunOptions { directory: dir.to_owned(), checkpoint_every: 2, ..Default::default() };
     output::begin(simulation.world_mut(), options, &loaded).unwrap();
@@ -123,7 +124,7 @@ fn heat(app: &mut App) {
 #[test]
 fn state_of_a_plugin_resumes_with_it_and_is_refused_by_name_without() {
     let scene = parse(COULOMB).scene;
-    let mut simulation = Simulation::with_plugins(&scene, None, heat);
+    let mut simulation = Simulation::in_app(clastic::run::app(heat), &scene, None);
     simulation.world_mut().insert_resource(Temperature(297.0));
     for _ in 0..3 {
         assert_eq!(simulation.step(), Step::Increment);
@@ -133,7 +134,7 @@ fn state_of_a_plugin_resumes_with_it_and_is_refused_by_name_without() {
     assert_eq!(error, StateError::Unknown("heat.temperature".to_owned()));
     assert!(error.to_string().contains("`heat.temperature`"), "{error}");
 
-    let mut resumed = Simulation::resume_with(&scene, &state, heat).unwrap();
+    let mut resumed = Simulation::resume_in(clastic::run::app(heat), &scene, &state).unwrap();
     assert_eq!(resumed.world().resource::<Temperature>(), &Temperature(300.0));
     assert!(bytes(&resumed.state().unwrap()) == bytes(&state));
     assert_eq!(simulation.run(), resumed.run());

@@ -5,9 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use clastic::components::observation::Observation;
-use clastic::output::{
-    self, Checkpoint, Ending, OutputPlugin, RunDirectory, RunOptions, directory,
-};
+use clastic::output::{self, Checkpoint, OutputPlugin, RunDirectory, RunOptions, directory};
 use clastic::run::state::StateView;
 use clastic::run::{Outcome, Simulation, Step, WorldState, changes};
 use clastic::scene::{self, LoadedScene};
@@ -46,8 +44,11 @@ pub fn run(
     every: u32,
     mut after: impl FnMut(&Observation),
 ) -> (Outcome, WorldState) {
-    let mut simulation =
-        Simulation::with_plugins(&loaded.scene, loaded.specimen.as_ref(), OutputPlugin);
+    let mut simulation = Simulation::in_app(
+        clastic::run::app(OutputPlugin),
+        &loaded.scene,
+        loaded.specimen.as_ref(),
+    );
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],
@@ -68,7 +69,7 @@ pub fn finish(
         }
         after(simulation.world().resource::<Observation>());
     };
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome.clone())).unwrap();
+    output::finish(simulation.world_mut(), Some(&outcome)).unwrap();
     simulation.world_mut().remove_resource::<RunDirectory>();
     (outcome, simulation.state().unwrap())
 }
@@ -85,7 +86,8 @@ pub fn resume(directory: &Path, sets: &[&str]) -> (Outcome, WorldState) {
     };
     let (before, loaded) = (read(&[]).unwrap().scene, read(&sets).unwrap());
     assert_eq!(changes::refused(&before, &loaded.scene, &view), [""; 0]);
-    let mut simulation = Simulation::resume_with(&loaded.scene, state, OutputPlugin).unwrap();
+    let mut simulation =
+        Simulation::resume_in(clastic::run::app(OutputPlugin), &loaded.scene, state).unwrap();
     // What was restored is what was stored, to the bit.
     assert!(bytes(&simulation.state().unwrap()) == bytes(state));
     changes::apply(simulation.world_mut(), &before, &loaded.scene, &view);
@@ -159,8 +161,11 @@ pub fn same_from_anywhere(loaded: &LoadedScene, stops: impl Fn(u64) -> bool) -> 
 
 /// The directory of a run before its first increment.
 pub fn copy_first(loaded: &LoadedScene, directory: &Path) {
-    let mut simulation =
-        Simulation::with_plugins(&loaded.scene, loaded.specimen.as_ref(), OutputPlugin);
+    let mut simulation = Simulation::in_app(
+        clastic::run::app(OutputPlugin),
+        &loaded.scene,
+        loaded.specimen.as_ref(),
+    );
     let options = RunOptions {
         directory: directory.to_owned(),
         dump_programs: vec![2, 5],

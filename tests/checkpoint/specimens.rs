@@ -117,9 +117,9 @@ fn bonds_that_are_made_after_a_state_scatter_as_in_one_piece() {
         let bytes = fs::read(directory.join(directory::FINAL_STATE)).unwrap();
         let state = Tables::decode(&bytes).unwrap();
         let n = state.rows("bonds.id").unwrap();
-        let strength = state.f64("bonds.tensile_strength_pa", &[n]).unwrap().to_vec();
-        let a = state.u32("bonds.a", &[n]).unwrap().to_vec();
-        (a, state.u32("bonds.b", &[n]).unwrap().to_vec(), strength)
+        let strength = state.values::<f64>("bonds.tensile_strength_pa", &[n]).unwrap().to_vec();
+        let a = state.values::<u32>("bonds.a", &[n]).unwrap().to_vec();
+        (a, state.values::<u32>("bonds.b", &[n]).unwrap().to_vec(), strength)
     };
     let (whole, part) = (bonds(&one), bonds(&b));
     assert!(whole == part);

@@ -46,7 +46,8 @@ fn the_format_is_that_of_its_version() {
     assert!(ruptures.0.iter().sum::<usize>() > 0);
     // A world restored from it has the same state, to the bit.
     let scene = parse(COULOMB).scene;
-    let mut simulation = Simulation::resume_with(&scene, &checkpoint.world, OutputPlugin).unwrap();
+    let mut simulation =
+        Simulation::resume_in(clastic::run::app(OutputPlugin), &scene, &checkpoint.world).unwrap();
     assert!(bytes(&simulation.state().unwrap()) == bytes(&checkpoint.world));
     // It is written again to the same bytes: every entry was read.
     checkpoint.write(parent.path(), directory::CHECKPOINT).unwrap();

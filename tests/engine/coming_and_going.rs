@@ -137,7 +137,7 @@ fn a_bond_between_two_walls_is_refused() {
 fn a_run_ends_in_the_same_state_without_output() {
     let loaded = box_of_disks();
     let mut silent = Simulation::new(&loaded.scene, None);
-    let mut written = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut written = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, None);
     let parent = tempfile::tempdir().unwrap();
     let options = RunOptions { directory: parent.path().join("run"), ..Default::default() };
     output::begin(written.world_mut(), options, &loaded).unwrap();
@@ -152,7 +152,7 @@ fn a_run_ends_in_the_same_state_without_output() {
 #[test]
 fn a_disk_that_cannot_be_written_halts_the_run_and_panics_not() {
     let loaded = box_of_disks();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, None, OutputPlugin);
+    let mut simulation = Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, None);
     let parent = tempfile::tempdir().unwrap();
     let directory = parent.path().join("run");
     let options = RunOptions { directory: directory.clone(), ..Default::default() };

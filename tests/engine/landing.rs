@@ -221,7 +221,7 @@ fn undone_increments_leave_no_trace_in_states_of_plugins() -> Result<(), StateEr
     }
     for law in ["Associated", "Coulomb()"] {
         let scene = parse(&column(law, UP_AND_DOWN));
-        let mut whole = Simulation::with_plugins(&scene, None, counts);
+        let mut whole = Simulation::in_app(clastic::run::app(counts), &scene, None);
         let mut states: Vec<WorldState> = Vec::new();
         while whole.step() == Step::Increment {
             states.push(whole.state()?);
@@ -229,7 +229,7 @@ fn undone_increments_leave_no_trace_in_states_of_plugins() -> Result<(), StateEr
         assert_eq!(whole.world().resource::<Made>().0, states.len() as u64);
         let end = whole.state()?;
         for state in &states {
-            let mut resumed = Simulation::resume_with(&scene, state, counts)?;
+            let mut resumed = Simulation::resume_in(clastic::run::app(counts), &scene, state)?;
             resumed.run();
             assert!(resumed.state()? == end, "{law}");
         }

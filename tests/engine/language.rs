@@ -7,7 +7,7 @@ use std::path::Path;
 
 use clastic::components::measure::Readings;
 use clastic::components::observation::Observation;
-use clastic::output::{self, Ending, OutputPlugin, RunOptions};
+use clastic::output::{self, OutputPlugin, RunOptions};
 use clastic::run::measures::reading;
 use clastic::run::stages::Script;
 use clastic::run::{EndedBy, Outcome, Simulation, Step};
@@ -27,10 +27,11 @@ fn history(loaded: &LoadedScene) -> String {
     let mut loaded = loaded.clone();
     loaded.scene.output.plots = false;
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     output::begin(simulation.world_mut(), options, &loaded).unwrap();
     let outcome = simulation.run();
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
+    output::finish(simulation.world_mut(), Some(&outcome)).unwrap();
     fs::read_to_string(out.path().join("history.csv")).unwrap()
 }
 

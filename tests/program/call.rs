@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use assert_cmd::Command;
 use assert_cmd::assert::Assert;
 use bevy_ecs::prelude::*;
-use clastic::output::{self, Ending, OutputPlugin, RunDirectory, RunOptions};
+use clastic::output::{self, OutputPlugin, RunDirectory, RunOptions};
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::LoadedScene;
 use serde_json::Value;
@@ -43,13 +43,14 @@ pub fn run(scene: &str, settings: &[&str]) -> (Assert, TempDir) {
 pub fn run_with(loaded: &LoadedScene, set: impl FnOnce(&mut World)) -> TempDir {
     let out = tempfile::tempdir().unwrap();
     let specimen = loaded.specimen.as_ref();
-    let mut simulation = Simulation::with_plugins(&loaded.scene, specimen, OutputPlugin);
+    let mut simulation =
+        Simulation::in_app(clastic::run::app(OutputPlugin), &loaded.scene, specimen);
     set(simulation.world_mut());
     let options = RunOptions { directory: out.path().to_owned(), ..Default::default() };
     output::begin(simulation.world_mut(), options, loaded).unwrap();
     let outcome = simulation.run();
     assert!(matches!(outcome, Outcome::Completed | Outcome::Collapsed(_)), "{outcome:?}");
-    output::finish(simulation.world_mut(), &Ending::Finished(outcome)).unwrap();
+    output::finish(simulation.world_mut(), Some(&outcome)).unwrap();
     simulation.world_mut().remove_resource::<RunDirectory>();
     out
 }

@@ -105,15 +105,15 @@ fn check(cohesion: &str) {
     let n = state.rows("particles.id").unwrap();
     let disks = Disks {
         x: state.vectors::<2>("particles.position_m", n).unwrap(),
-        r: state.f64("particles.radius_m", &[n]).unwrap().to_vec(),
-        m: state.f64("particles.mass_kg", &[n]).unwrap().to_vec(),
+        r: state.values::<f64>("particles.radius_m", &[n]).unwrap().to_vec(),
+        m: state.values::<f64>("particles.mass_kg", &[n]).unwrap().to_vec(),
     };
     let c = state.rows("contacts.p_n").unwrap();
     let ids = |name: &str, rows: usize| -> Vec<usize> {
-        state.u32(name, &[rows]).unwrap().iter().map(|id| *id as usize).collect()
+        state.values::<u32>(name, &[rows]).unwrap().iter().map(|id| *id as usize).collect()
     };
     let (a, b) = (ids("contacts.a", c), ids("contacts.b", c));
-    let p = state.f64("contacts.p_n", &[c]).unwrap();
+    let p = state.values::<f64>("contacts.p_n", &[c]).unwrap();
     // The table keeps forces down to zero; a contact carries one above 1e-9 of the maximum.
     let maximum = p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
     let carrying: Vec<usize> = (0..c).filter(|k| p[*k].abs() > 1e-9 * maximum).collect();
@@ -158,7 +158,7 @@ fn check(cohesion: &str) {
     // Fragments: paint over until nothing changes.
     let bonds = state.rows("bonds.a").unwrap();
     let (ba, bb) = (ids("bonds.a", bonds), ids("bonds.b", bonds));
-    let intact = state.u8("bonds.state", &[bonds]).unwrap();
+    let intact = state.values::<u8>("bonds.state", &[bonds]).unwrap();
     let mut colour: Vec<usize> = (0..n).collect();
     let mut changed = true;
     while changed {
@@ -225,15 +225,15 @@ fn check(cohesion: &str) {
 
     // Stress: Love and Weber's sum at the end of the increment, and the forces of the walls.
     let walls = state.rows("walls.name").unwrap();
-    let names = state.text("walls.name", &[walls]).unwrap();
+    let names = state.values::<String>("walls.name", &[walls]).unwrap();
     let middles = state.vectors::<2>("walls.middle_m", walls).unwrap();
     let forces = state.vectors::<3>("walls.external_force", walls).unwrap();
     let wall = |name: &str| names.iter().position(|known| known == name).unwrap();
     let width = middles[wall("right")][0] - middles[wall("left")][0];
     let height = middles[wall("top")][1] - middles[wall("bottom")][1];
     let normals = state.vectors::<2>("contacts.normal", c).unwrap();
-    let gaps = state.f64("contacts.gap_m", &[c]).unwrap();
-    let q = state.f64("contacts.q_n", &[c]).unwrap();
+    let gaps = state.values::<f64>("contacts.gap_m", &[c]).unwrap();
+    let q = state.values::<f64>("contacts.q_n", &[c]).unwrap();
     let mut sum = [0.0; 2];
     for k in 0..c {
         let [nx, ny] = normals[k];

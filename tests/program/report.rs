@@ -105,7 +105,7 @@ fn a_reader_finds_what_the_engine_has() {
     let state = Tables::decode(&fs::read(out.join("final_state.npz")).unwrap()).unwrap();
     let vectors = |name: &str| state.vectors::<2>(name, 400).unwrap();
     let (places, origins) = (vectors("particles.position_m"), vectors("particles.origin_m"));
-    let numbers = |name: &str| state.f64(name, &[state.rows(name).unwrap()]).unwrap();
+    let numbers = |name: &str| state.values::<f64>(name, &[state.rows(name).unwrap()]).unwrap();
     let (radii, turns) = (numbers("particles.radius_m"), numbers("particles.rotation_rad"));
     let start = frames::Frame::read(&out.join("frames/start.npz")).unwrap();
     let end = series.last().unwrap();
@@ -160,9 +160,9 @@ fn a_reader_finds_what_the_engine_has() {
     assert!(resized[1].as_f64() > Some(0.05), "blank after a resize: {resized}");
     assert_eq!(seen["followed"], serde_json::json!([true, "strain-step", true]));
 
-    let ids = |name: &str| state.u32(name, &[state.rows(name).unwrap()]).unwrap();
+    let ids = |name: &str| state.values::<u32>(name, &[state.rows(name).unwrap()]).unwrap();
     let (bond_ids, bond_a, bond_b) = (ids("bonds.id"), ids("bonds.a"), ids("bonds.b"));
-    let states = state.u8("bonds.state", &[bond_ids.len()]).unwrap();
+    let states = state.values::<u8>("bonds.state", &[bond_ids.len()]).unwrap();
     let (a, b) = (ids("contacts.a"), ids("contacts.b"));
     let (p, q) = (numbers("contacts.p_n"), numbers("contacts.q_n"));
     let bonds = seen["bonds"].as_array().unwrap();

@@ -447,7 +447,7 @@ fn contacts_of_the_history_are_those_of_the_table_that_carry_force() {
         let state = fs::read(out.path().join("final_state.npz")).unwrap();
         let state = Tables::decode(&state).unwrap();
         let c = state.rows("contacts.p_n").unwrap();
-        let p = state.f64("contacts.p_n", &[c]).unwrap();
+        let p = state.values::<f64>("contacts.p_n", &[c]).unwrap();
         let maximum = p.iter().fold(0.0_f64, |m, p| m.max(p.abs()));
         let carrying = p.iter().filter(|p| p.abs() > 1e-9 * maximum).count();
         let last = rows(out.path(), "history.csv").pop().unwrap();

@@ -52,8 +52,8 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
     done.code(0);
     let held = tables(&out.path().join("final_state.npz"));
     let n = kept.rows("particles.id").unwrap();
-    assert_eq!(held.text("materials.name", &[1]).unwrap(), ["light sand"]);
-    let column = |of: &Tables, name: &str| of.f64(name, &[n]).unwrap().to_vec();
+    assert_eq!(held.values::<String>("materials.name", &[1]).unwrap(), ["light sand"]);
+    let column = |of: &Tables, name: &str| of.values::<f64>(name, &[n]).unwrap().to_vec();
     let radii = column(&held, "particles.radius_m");
     assert_eq!(radii, column(&kept, "particles.radius_m"));
     for (mass, r) in column(&held, "particles.mass_kg").iter().zip(radii) {
@@ -66,20 +66,31 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
     assert_eq!((row["increment"].as_str(), row["status"].as_str()), ("4", "solved"));
     let wall = |of: &Tables, name: &str| -> f64 {
         let w = of.rows("walls.name").unwrap();
-        let k = of.text("walls.name", &[w]).unwrap().iter().position(|n| n == name).unwrap();
+        let k = of
+            .values::<String>("walls.name", &[w])
+            .unwrap()
+            .iter()
+            .position(|n| n == name)
+            .unwrap();
         let force = of.vectors::<3>("walls.external_force", w).unwrap()[k];
         force[0].hypot(force[1])
     };
     let place = |of: &Tables, name: &str| -> f64 {
         let w = of.rows("walls.name").unwrap();
-        let k = of.text("walls.name", &[w]).unwrap().iter().position(|n| n == name).unwrap();
+        let k = of
+            .values::<String>("walls.name", &[w])
+            .unwrap()
+            .iter()
+            .position(|n| n == name)
+            .unwrap();
         of.vectors::<2>("walls.middle_m", w).unwrap()[k][0]
     };
     let width = place(&kept, "right") - place(&kept, "left");
     let expected = 200.0e3 * width * 2.0;
     assert!((wall(&held, "top") - expected).abs() < 1e-6 * expected);
-    let states =
-        |of: &Tables| of.u8("bonds.state", &[of.rows("bonds.id").unwrap()]).unwrap().to_vec();
+    let states = |of: &Tables| {
+        of.values::<u8>("bonds.state", &[of.rows("bonds.id").unwrap()]).unwrap().to_vec()
+    };
     assert_eq!(states(&held).len(), states(&kept).len());
 
     // Walls of its own: none of the state, no force on them yet.
@@ -89,10 +100,10 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
     let (done, out) = run(&scene, &["--quiet"]);
     done.code(0);
     let held = tables(&out.path().join("final_state.npz"));
-    assert_eq!(held.text("walls.name", &[1]).unwrap(), ["floor"]);
+    assert_eq!(held.values::<String>("walls.name", &[1]).unwrap(), ["floor"]);
     assert_eq!(
-        held.f64("particles.position_m", &[n, 2]).unwrap(),
-        kept.f64("particles.position_m", &[n, 2]).unwrap()
+        held.values::<f64>("particles.position_m", &[n, 2]).unwrap(),
+        kept.values::<f64>("particles.position_m", &[n, 2]).unwrap()
     );
     assert_eq!(rows(out.path(), "history.csv")[0]["floor.force_y_n"], "0.0");
 }
@@ -177,11 +188,11 @@ fn the_state_of_the_end_is_told_apart_from_what_is_not_written() {
     let (done, out) = run(path.to_str().unwrap(), &["--quiet"]);
     done.code(0);
     let first = tables(&out.path().join("state_first.npz"));
-    assert_eq!(first.u64("increment", &[]).unwrap(), [0]);
-    assert_eq!(first.text("stage", &[]).unwrap(), ["first"]);
+    assert_eq!(first.values::<u64>("increment", &[]).unwrap(), [0]);
+    assert_eq!(first.values::<String>("stage", &[]).unwrap(), ["first"]);
     let last = tables(&out.path().join("final_state.npz"));
     let made = rows(out.path(), "history.csv").len() as u64;
-    assert_eq!(last.u64("increment", &[]).unwrap(), [made]);
+    assert_eq!(last.values::<u64>("increment", &[]).unwrap(), [made]);
 }
 
 /// The script of `docs/outputs.md`, as it stands there.
@@ -208,12 +219,13 @@ fn the_script_of_the_docs_reads_state_and_history_with_numpy_alone() {
     for (of_state, name) in lines.chunks(3).zip(["final_state", "state_kept_at_200_kPa"]) {
         let state = tables(&out.path().join(format!("{name}.npz")));
         let n = state.rows("particles.id").unwrap();
-        let weight = 9.81 * state.f64("particles.mass_kg", &[n]).unwrap().iter().sum::<f64>();
+        let weight =
+            9.81 * state.values::<f64>("particles.mass_kg", &[n]).unwrap().iter().sum::<f64>();
         let bonds = &last["bonds"];
         let first = format!("{name}: {n} disks of {weight:.1} N, {bonds} of {bonds} bonds hold");
         assert_eq!(of_state[0], first);
         let c = state.rows("contacts.p_n").unwrap();
-        let b = state.u32("contacts.b", &[c]).unwrap();
+        let b = state.values::<u32>("contacts.b", &[c]).unwrap();
         let normals = state.vectors::<2>("contacts.normal", c).unwrap();
         let inner: Vec<_> =
             normals.iter().zip(b).filter(|(_, b)| (**b as usize) < n).map(|(x, _)| x).collect();
@@ -221,7 +233,7 @@ fn the_script_of_the_docs_reads_state_and_history_with_numpy_alone() {
         let fabric: Vec<f64> =
             of_state[1].split(' ').skip(2).take(4).map(|word| word.parse().unwrap()).collect();
         assert!((fabric[0] - expected).abs() < 1e-4 && (fabric[0] + fabric[3] - 1.0).abs() < 1e-3);
-        let forces = state.f64("contacts.p_n", &[c]).unwrap();
+        let forces = state.values::<f64>("contacts.p_n", &[c]).unwrap();
         let largest = forces.iter().fold(0.0_f64, |a, b| a.max(*b));
         let (said, increment) = of_state[2].split_once(" N, after increment ").unwrap();
         let said: f64 = said.rsplit(' ').next().unwrap().parse().unwrap();
@@ -263,7 +275,7 @@ fn key_results_count_from_the_stress_of_the_state() {
 
     // By hand: force of bottom and top over the distance of the sides where the last increment began.
     let w = kept.rows("walls.name").unwrap();
-    let names = kept.text("walls.name", &[w]).unwrap();
+    let names = kept.values::<String>("walls.name", &[w]).unwrap();
     let wall = |name: &str| names.iter().position(|n| n == name).unwrap();
     let forces = kept.vectors::<3>("walls.external_force", w).unwrap();
     let places = kept.vectors::<2>("walls.middle_m", w).unwrap();
@@ -331,7 +343,7 @@ fn estimates_of_check_know_the_bonds_and_the_stress_of_the_state() {
         assert!(said.contains("k/(p h) 300"), "{said}");
         let state = tables(&first.path().join("state_kept_at_200_kPa.npz"));
         let w = state.rows("walls.name").unwrap();
-        let names = state.text("walls.name", &[w]).unwrap();
+        let names = state.values::<String>("walls.name", &[w]).unwrap();
         let places = state.vectors::<2>("walls.middle_m", w).unwrap();
         let y = |name: &str| places[names.iter().position(|n| n == name).unwrap()][1];
         // The strain of an increment over that at which 200 kPa, or the bonds, are reached.

@@ -15,7 +15,7 @@ use bevy_app::App;
 use crate::output::OutputError;
 use crate::output::directory::default_directory;
 use crate::scene::format::Scene;
-use crate::scene::{LoadError, LoadedScene, load_unprepared, load_with};
+use crate::scene::{LoadedScene, load_with};
 use crate::study::{Plan, Study, StudyError, Wanted, plan};
 
 use super::SweepArgs;
@@ -76,10 +76,6 @@ fn load(wanted: Wanted<'_>, study: &Path, app: &App) -> Result<LoadedScene, Stri
     let resolved = if beside.is_file() { Ok(beside) } else { resolve(wanted.scene) };
     let path = resolved.map_err(|failure| failure.message)?;
     let further = |scene: &Scene| own_findings(scene, app);
-    let loaded = if wanted.is_unprepared {
-        load_unprepared(&path, wanted.sets, further)
-    } else {
-        load_with(&path, wanted.sets, further)
-    };
-    loaded.map_err(|error: LoadError| error.to_string())
+    let loaded = load_with(&path, wanted.sets, !wanted.is_unprepared, further);
+    loaded.map_err(|error| error.to_string())
 }

@@ -146,11 +146,7 @@ fn driven(scene: &Scene, load: &Load) -> BTreeSet<String> {
         }
         WallControl::Follow(Table::Displacement(_) | Table::Rotation { .. }) => true,
         WallControl::Lid { slide: Slide::Displacement(u) | Slide::Velocity(u), .. } => *u != 0.0,
-        WallControl::Follow(Table::Force(_) | Table::Stress { .. })
-        | WallControl::Fixed
-        | WallControl::Force(_)
-        | WallControl::Stress { .. }
-        | WallControl::Custom => false,
+        _ => false,
     });
     walls.map(|(name, _)| name).chain(groups.map(|(name, _)| name)).cloned().collect()
 }

@@ -24,13 +24,6 @@ pub struct Scale {
     pub loads: Option<Vec<(f64, f64)>>,
 }
 
-impl Scale {
-    /// Whether nothing is scaled.
-    pub(crate) fn is_default(&self) -> bool {
-        *self == Self::default()
-    }
-}
-
 /// See [`Stage::Load`](super::Stage::Load).
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]

@@ -1,6 +1,6 @@
 //! Controls of particles in a stage.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::{Deserialize, Serialize};
 
@@ -115,16 +115,23 @@ impl Select {
 
     /// Whether it, or a group of the scene that it names, depends on the forces of contacts.
     pub(crate) fn needs_forces(&self, groups: &BTreeMap<String, Self>) -> bool {
-        match self {
-            Self::Loose(_) => true,
-            Self::Group(name) => groups.get(name).is_some_and(|of| {
-                // A group that names itself is refused elsewhere.
-                let mut others = groups.clone();
-                others.remove(name);
-                of.needs_forces(&others)
-            }),
-            _ => self.parts().into_iter().any(|part| part.needs_forces(groups)),
+        self.all(groups).iter().any(|part| matches!(part, Self::Loose(_)))
+    }
+
+    /// This selection, those that it is made of, and those of the groups of the scene that it names.
+    pub(crate) fn all<'a>(&'a self, groups: &'a BTreeMap<String, Self>) -> Vec<&'a Self> {
+        let (mut all, mut named) = (vec![self], BTreeSet::new());
+        let mut k = 0;
+        while let Some(select) = all.get(k).copied() {
+            all.extend(select.parts());
+            if let Self::Group(name) = select
+                && named.insert(name)
+            {
+                all.extend(groups.get(name));
+            }
+            k += 1;
         }
+        all
     }
 
     /// The selections that it is made of.

@@ -2,11 +2,11 @@
 
 use super::samples::FULL;
 use crate::text::scan::scan;
-use crate::text::spans::{Spans, Step, nearest, parse_path, write_path};
+use crate::text::spans::{Step, nearest, parse_path, span_of, write_path};
 
 #[track_caller]
 fn says(path: &str, value: &str) {
-    let span = Spans::of(FULL).value(path).unwrap_or_else(|| panic!("no {path}"));
+    let span = span_of(FULL, path).unwrap_or_else(|| panic!("no {path}"));
     assert_eq!(&FULL[span], value, "{path}");
 }
 
@@ -50,10 +50,10 @@ fn keys_have_places() {
 
 #[test]
 fn an_absent_field_is_placed_where_it_would_be() {
-    let (spans, root) = (Spans::of(FULL), scan(FULL).0.unwrap());
-    assert_eq!(spans.value("walls.top.probe"), None);
-    assert_eq!(nearest(&root, "walls.top.probe", false), spans.value("walls.top").unwrap().start);
-    assert_eq!(nearest(&root, "nothing", true), spans.value("").unwrap().start);
+    let (start, root) = (|path| span_of(FULL, path).unwrap().start, scan(FULL).0.unwrap());
+    assert_eq!(span_of(FULL, "walls.top.probe"), None);
+    assert_eq!(nearest(&root, "walls.top.probe", false), start("walls.top"));
+    assert_eq!(nearest(&root, "nothing", true), start(""));
 }
 
 #[test]
@@ -69,8 +69,8 @@ fn malformed_paths_are_refused() {
 
 #[test]
 fn slips_do_not_hide_the_rest() {
-    let spans = Spans::of("(a: 1 b: 2, c = 3, d: , e: [1,, 2])");
-    assert_eq!(spans.value("b"), Some(9..10));
-    assert_eq!(spans.value("c"), Some(16..17));
-    assert_eq!(spans.value("e[2]"), Some(32..33));
+    let text = "(a: 1 b: 2, c = 3, d: , e: [1,, 2])";
+    assert_eq!(span_of(text, "b"), Some(9..10));
+    assert_eq!(span_of(text, "c"), Some(16..17));
+    assert_eq!(span_of(text, "e[2]"), Some(32..33));
 }

@@ -1,5 +1,7 @@
 //! Layers, minerals and cuts of a specimen.
 
+use std::collections::BTreeMap;
+
 use crate::scene::format::{Scene, Select, Sizes, Specimen};
 use crate::scene::limits::MAX_PARTICLES;
 use crate::scene::memory;
@@ -77,7 +79,9 @@ pub(super) fn check(at: &mut At) {
 fn of_specimen(at: &mut At, of: &Select) {
     let context = at.context;
     let groups = context.groups_of_specimen();
-    if let Some(name) = names(of).into_iter().find(|name| !groups.contains(name)) {
+    let no_groups = BTreeMap::new();
+    let unknown = |part: &&Select| matches!(part, Select::Group(name) if !groups.contains(&**name));
+    if let Some(Select::Group(name)) = of.all(&no_groups).into_iter().find(unknown) {
         let message = format!("the specimen has no group `{name}`");
         let help = "give the region itself: groups of the scene select from the specimen as cut";
         at.add("", message, help);
@@ -86,12 +90,4 @@ fn of_specimen(at: &mut At, of: &Select) {
     let help = "select by place, or take loose particles away in a `Remove` stage";
     at.refuse(of.needs_forces(&context.scene.groups), "", "no contact carries force yet", help);
     at.with(&Context::uncut(context.scene, context.specimen), |at| select::select(at, of));
-}
-
-/// Groups that a selection names.
-fn names(select: &Select) -> Vec<&str> {
-    match select {
-        Select::Group(name) => vec![name],
-        _ => select.parts().into_iter().flat_map(names).collect(),
-    }
 }

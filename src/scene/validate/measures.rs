@@ -95,20 +95,7 @@ fn quantity(at: &mut At, of: &Quantity) {
         Quantity::Custom(name) if name.trim().is_empty() => {
             at.add("[0]", "no name", "name a measure that a plugin of the program provides");
         }
-        Quantity::Coordination { .. }
-        | Quantity::Fabric { .. }
-        | Quantity::Fragments(_)
-        | Quantity::Cracks { .. }
-        | Quantity::Broken(_)
-        | Quantity::BrokenShare(_)
-        | Quantity::KineticEnergy
-        | Quantity::ElasticEnergy
-        | Quantity::KineticOverElastic
-        | Quantity::Poured(_)
-        | Quantity::Gravity
-        | Quantity::StrengthFactor
-        | Quantity::Time
-        | Quantity::Custom(_) => {}
+        _ => {}
     }
 }
 

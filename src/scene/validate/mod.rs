@@ -35,12 +35,7 @@ use crate::text::diagnostic::Finding;
 use findings::Findings;
 pub(crate) use places::is_behind;
 
-/// Checks a scene, with the stored specimen that it names. The scene need not come from a text.
-pub fn validate(scene: &Scene, specimen: Option<&StoredSpecimen>) -> Vec<Finding> {
-    findings(scene, specimen, &[])
-}
-
-/// Checks a scene with made-up values at the paths `made_up`.
+/// Checks a scene, with the stored specimen that it names, and made-up values at the paths `made_up`.
 pub(super) fn findings(
     scene: &Scene,
     specimen: Option<&StoredSpecimen>,

@@ -4,6 +4,8 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 use std::fmt::Display;
 
+use glam::DVec2;
+
 use crate::scene::format::{Load, Scene, Wall, WallControl};
 
 use super::findings::At;
@@ -28,10 +30,8 @@ pub(crate) fn is_behind(wall: &Wall, (x, y): (f64, f64), radius: f64) -> bool {
     if !(wall.is_placed() && wall.shape.is_line()) {
         return false;
     }
-    let along = (wall.end.0 - wall.start.0, wall.end.1 - wall.start.1);
-    let from = (x - wall.start.0, y - wall.start.1);
-    let inward = (along.0 * from.1 - along.1 * from.0) / length(wall);
-    inward < -BEHIND * radius
+    let from = DVec2::new(x, y) - DVec2::from(wall.start);
+    along(wall).perp_dot(from) / length(wall) < -BEHIND * radius
 }
 
 /// The walls that are there from the start and that a disk is behind.
@@ -43,21 +43,24 @@ pub(super) fn walls_before(
     scene.walls.iter().filter(move |wall| wall.present && is_behind(wall, place, radius))
 }
 
+/// From start to end, m.
+fn along(wall: &Wall) -> DVec2 {
+    DVec2::from(wall.end) - DVec2::from(wall.start)
+}
+
 /// Length of the drawn segment, m.
 pub(super) fn length(wall: &Wall) -> f64 {
-    (wall.end.0 - wall.start.0).hypot(wall.end.1 - wall.start.1)
+    along(wall).x.hypot(along(wall).y)
 }
 
 /// Unit normal on the left of the direction from start to end.
-pub(super) fn inward(wall: &Wall) -> (f64, f64) {
-    let length = length(wall);
-    ((wall.start.1 - wall.end.1) / length, (wall.end.0 - wall.start.0) / length)
+fn inward(wall: &Wall) -> DVec2 {
+    along(wall).perp() / length(wall)
 }
 
 /// Cosine of the angle between the inward normals of two walls.
 fn cosine(a: &Wall, b: &Wall) -> f64 {
-    let (n, m) = (inward(a), inward(b));
-    n.0 * m.0 + n.1 * m.1
+    inward(a).dot(inward(b))
 }
 
 /// Whether two straight walls are parallel, with their insides in the same direction.
@@ -77,8 +80,7 @@ pub(super) fn are_askew(a: &Wall, b: &Wall) -> bool {
 
 /// Distance from the line of a wall to the start of another along the inward normal, m.
 pub(super) fn distance(from: &Wall, to: &Wall) -> f64 {
-    let n = inward(from);
-    (to.start.0 - from.start.0) * n.0 + (to.start.1 - from.start.1) * n.1
+    (DVec2::from(to.start) - DVec2::from(from.start)).dot(inward(from))
 }
 
 /// Checks the corners of a specimen that a recipe makes.
@@ -205,8 +207,7 @@ fn closing(stage: &Load, wall: &Wall) -> Option<f64> {
     match stage.walls.get(&wall.name) {
         None | Some(WallControl::Fixed) => Some(0.0),
         Some(WallControl::Displacement(x, y)) => {
-            let (nx, ny) = inward(wall);
-            Some(x * nx + y * ny).filter(|u| u.is_finite())
+            Some(DVec2::new(*x, *y).dot(inward(wall))).filter(|u| u.is_finite())
         }
         Some(_) => None,
     }

@@ -1,6 +1,6 @@
 //! Selections and groups of particles.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use clastic_components::domain;
 use glam::DVec2;
@@ -121,29 +121,14 @@ pub(super) fn groups(at: &mut At) {
             let message = format!("the specimen has a group `{name}` too");
             at.add_at_key(message, "give it another name");
         }
-        if mentions(groups, of, name, &mut BTreeSet::new()) {
+        let is_itself = |part: &&Select| matches!(part, Select::Group(other) if other == name);
+        if of.all(groups).iter().any(is_itself) {
             let message = format!("group `{name}` is defined by itself");
             at.add("", message, "define it by other groups, or by regions");
         } else {
             select(at, of);
         }
     }
-}
-
-/// Whether a selection names a group, by itself or through other groups.
-fn mentions<'a>(
-    groups: &'a BTreeMap<String, Select>,
-    select: &'a Select,
-    name: &str,
-    seen: &mut BTreeSet<&'a str>,
-) -> bool {
-    if let Select::Group(other) = select {
-        if other == name || !seen.insert(other) {
-            return other == name;
-        }
-        return groups.get(other).is_some_and(|next| mentions(groups, next, name, seen));
-    }
-    select.parts().into_iter().any(|part| mentions(groups, part, name, seen))
 }
 
 /// Finds regions and sets that select no particle: a control of particles would have no effect.
