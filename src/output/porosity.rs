@@ -63,7 +63,7 @@ fn place(disk: &StoredParticle) -> DVec2 {
 }
 
 /// Total area of the disks, m^2.
-fn total(disks: &[StoredParticle]) -> f64 {
+pub(super) fn total(disks: &[StoredParticle]) -> f64 {
     disks.iter().map(|disk| std::f64::consts::PI * disk.r * disk.r).sum()
 }
 

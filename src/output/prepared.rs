@@ -15,7 +15,7 @@ use clastic_systems::gather_bodies::gather_bodies;
 use super::atomic::atomically;
 use super::found::{Found, Settled};
 use super::run_directory::RunDirectory;
-use super::{OutputError, directory, frames, porosity};
+use super::{OutputError, directory, frames, platens, porosity};
 use crate::run::stages::{CurrentStage, Script};
 use crate::scene::format::Stage;
 use crate::scene::{StoredParticle, specimen_file};
@@ -98,6 +98,8 @@ pub fn prepare(
             } else {
                 porosity::porosity(&measures, &walls, &prepared)
             };
+            let spanned = |porosity| platens::spanned(&measures, &prepared, porosity);
+            found.spanned = found.porosity.and_then(spanned);
         }
     }
     Ok(())

@@ -19,6 +19,7 @@ mod load_refusals;
 pub mod measures;
 mod membranes;
 pub mod minerals;
+mod mixed;
 mod particle_controls;
 pub mod particles;
 pub mod plugin;
