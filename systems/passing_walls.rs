@@ -33,7 +33,7 @@ pub(crate) fn refuse_passing_walls(
             let closing = inward(a) + inward(b);
             if closing > 0.0 && distance <= closing {
                 commands.insert_resource(ClasticHalted(format!(
-                    "{} and {} would pass each other: they are {distance:.4e} m apart and close by \
+                    "{} and {} would meet or pass each other: they are {distance:.4e} m apart and close by \
                      {closing:.4e} m in this increment; give less motion, or end the stage before",
                     bodies.name(from),
                     bodies.name(to)

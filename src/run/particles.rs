@@ -6,7 +6,7 @@ use super::cell::at_start;
 use super::mixed::mix;
 use super::random::Random;
 use super::sieve;
-use crate::scene::format::{Particle, Scene, Sizes, Specimen};
+use crate::scene::format::{Cell, Particle, Scene, Sizes, Specimen};
 use crate::scene::specimen_file::{StoredParticle, StoredSpecimen};
 
 /// Name of the group of the outermost particles of a lattice.
@@ -52,14 +52,21 @@ pub fn particles(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle
                     let room = 0.5 * spacing - radius;
                     let jitter =
                         DVec2::new(random.between(-room, room), random.between(-room, room));
-                    (radius, DVec2::from(*origin) + *spacing * square + jitter)
+                    (radius, *spacing * square + jitter)
                 })
                 .unzip();
-            if let Some(cell) = &scene.cell {
+            let grid = [*columns, count.div_ceil(*columns)].map(|n| spacing * f64::from(n));
+            // One that is smaller than the grid is refused.
+            let holds = |cell: &&Cell| {
+                let most = 1.0 + 1e-9;
+                grid[0] <= most * cell.size.0 && grid[1] <= most * cell.size.1
+            };
+            if let Some(cell) = scene.cell.as_ref().filter(holds) {
                 mix(&at_start(cell), &radii, &mut places, &mut random);
             }
+            let origin = DVec2::from(*origin);
             let disks = places.into_iter().zip(radii);
-            disks.map(|(place, radius)| at_rest(place, radius, material.as_ref())).collect()
+            disks.map(|(x, radius)| at_rest(origin + x, radius, material.as_ref())).collect()
         }
         Specimen::File { material, .. } => rows(stored, material.as_ref()),
         Specimen::State { .. } => rows(stored, None),

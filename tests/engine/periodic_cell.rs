@@ -534,7 +534,7 @@ fn waves_in_a_cell_have_their_period() {
 fn the_packing_of_a_cell_forgets_the_grid_of_its_disks() {
     for name in ["simple_shear_periodic", "direct_tension"] {
         let (mut sum, mut count) = (0.0, 0);
-        for of in 1..=5 {
+        for of in 1..=10 {
             let mut scene = load(name);
             let Specimen::Packing { seed, .. } = &mut scene.specimen else { panic!() };
             *seed = of;
@@ -556,9 +556,9 @@ fn the_packing_of_a_cell_forgets_the_grid_of_its_disks() {
                 count += 1;
             }
         }
-        // Three standard errors of directions by chance.
-        let (mean, error) = (sum / f64::from(count), (0.5 / f64::from(count)).sqrt());
+        // Directions by chance have 0.01; the grid left 0.09 in rock and 0.13 in sand.
+        let mean = sum / f64::from(count);
         println!("{name}: {mean} of {count} pairs");
-        assert!(count > 1500 && mean.abs() < 3.0 * error, "{name}: {mean}");
+        assert!(count > 3000 && mean.abs() < 0.04, "{name}: {mean}");
     }
 }
