@@ -44,9 +44,8 @@ fn walls_do_not_pass_each_other_after_a_compaction() {
         ],"#,
     );
     let mut scene = parse(&text);
-    for end in [&mut scene.walls[1].start, &mut scene.walls[1].end] {
-        end.1 = 2.0;
-    }
+    let lid = &mut scene.walls[1];
+    (lid.start.1, lid.end.1) = (2.0, 2.0);
     let Outcome::Halted(message) = Simulation::new(&scene, None).run() else { panic!() };
     let said = "in stage `on`: wall `floor` and wall `lid` would meet or pass each other";
     assert!(message.contains(said), "{message}");
