@@ -277,15 +277,15 @@ mod tests {
     #[test]
     fn a_mistake_in_one_run_is_told_before_anything_runs() {
         for (runs, expected) in [
-            (r#"Grid({ "mu": [0.2, -1.0] })"#, "study.ron:1:114: runs: run 2 (mu -1.0)"),
+            (r#"Grid({ "mu": [0.2, -1.0] })"#, "study.ron:1:104: runs: run 2 (mu -1.0)"),
             (r#"Grid({ "mu": [0.2], "materials.m.contact.frction": [1.0] })"#, "frction"),
             (r#"Grid({ "mu": [0.2, 0.2] })"#, "run 2 (mu 0.2) is the same as run 1"),
             (
                 r#"List([{ "mu": 0.2 }, { "mu": -1.0 }])"#,
-                "study.ron:1:132: runs[1]: run 2 (mu -1.0)",
+                "study.ron:1:125: runs[1]: run 2 (mu -1.0)",
             ),
-            (r#"Grid({ "mu": [] })"#, "study.ron:1:114: runs: there are none"),
-            (r#"Grid({ "thickness": [1.0] })"#, "study.ron:1:72: settings.mu: no run has `mu`"),
+            (r#"Grid({ "mu": [] })"#, "study.ron:1:104: runs: there are none"),
+            (r#"Grid({ "thickness": [1.0] })"#, "study.ron:1:62: settings.mu: no run has `mu`"),
             (r#"List([{ "mu": 1.0, "mu": 2.0 }])"#, "`mu` is given twice"),
             (r#"Grit({ "mu": [0.2] })"#, "study.ron:1:"),
         ] {
