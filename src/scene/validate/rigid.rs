@@ -6,7 +6,7 @@ use crate::text::suggest;
 use super::findings::At;
 use super::parts::{is_known, load, motion, wall_there};
 use super::select::select;
-use super::wall_controls::{MAX_TURN, TOO_FAR};
+use super::wall_controls::MAX_TURN;
 
 /// A group that exists, with those of its walls that the scene names: none of a group of the state
 /// from which the scene starts, whose members the run knows.
@@ -86,7 +86,8 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
         _ => 0.0,
     };
     let message = format!("a turn of {turn:?} rad in an increment");
-    at.refuse(turn.abs() > MAX_TURN, "rotation[0]", message, TOO_FAR);
+    let help = "give a smaller one, or a smaller dt: at most 0.2 rad in an increment";
+    at.refuse(turn.abs() > MAX_TURN, "rotation[0]", message, help);
     load(at, control.force, control.moment);
     at.vector("stress.value", control.stress.map(|stress| stress.value), "a stress in Pa");
     at.positive("stress.length", control.stress.map(|stress| stress.length), "a length in m");

@@ -12,10 +12,6 @@ use super::parts::{ONE_PIECE, are_apart, needs_time, one_piece, straight, wall_t
 /// first order for a disk that moves with it, whose error is that share squared of its motion.
 pub(super) const MAX_TURN: f64 = 0.2;
 
-/// What to do about a greater one.
-pub(super) const TOO_FAR: &str =
-    "give more increments, or a smaller dt: at most 0.2 rad in an increment";
-
 /// Checks the control of a wall in a stage, which may have no time.
 pub(super) fn control_of_wall(at: &mut At, name: &str, control: &WallControl, increments: u32) {
     let dt = if let Analysis::Dynamic { dt, .. } = at.analysis { Some(dt) } else { None };
@@ -76,7 +72,8 @@ fn turns(at: &mut At, angle: &[(f64, f64)], step: f64) {
         let turn = (b - a).abs() * (step / (t - s)).min(1.0);
         if t > s && turn > MAX_TURN {
             let message = format!("a turn of {turn:?} rad in an increment");
-            at.add(format_args!("[{}][1]", k + 1), message, TOO_FAR);
+            let help = "give more increments, or a smaller dt: at most 0.2 rad in an increment";
+            at.add(format_args!("[{}][1]", k + 1), message, help);
         }
     }
 }
