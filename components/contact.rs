@@ -1,5 +1,7 @@
 //! Tables of bodies and potential contacts.
 
+use std::collections::BTreeMap;
+
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
@@ -25,6 +27,8 @@ pub struct BodyTable {
     pub ids: Vec<BodyId>,
     /// Entity of every body.
     pub entities: Vec<Entity>,
+    /// Names of walls and rigid groups, by row.
+    pub names: BTreeMap<u32, String>,
     /// Centres of particles and middles of walls, m.
     pub positions: Vec<DVec2>,
     /// Rotations of particles and walls since the start, rad.
@@ -78,10 +82,13 @@ impl BodyTable {
         match row.checked_sub(self.particles) {
             _ if row >= self.ids.len() => "the periodic cell".to_owned(),
             None => format!("particle {}", self.ids[row].0),
-            Some(_) if row >= self.first_group() => {
-                format!("rigid group (body {})", self.ids[row].0)
+            Some(_) => {
+                let kind = if row < self.first_group() { "wall" } else { "rigid group" };
+                match self.names.get(&(row as u32)) {
+                    Some(name) => format!("{kind} `{name}`"),
+                    None => format!("{kind} (body {})", self.ids[row].0),
+                }
             }
-            Some(_) => format!("wall (body {})", self.ids[row].0),
         }
     }
 

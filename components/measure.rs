@@ -109,6 +109,14 @@ pub enum Quantity<W = Entity, P = Entity, G = Vec<BodyId>> {
         #[serde(default)]
         moved: f64,
     },
+    /// Front of a flow: the coordinate up to which a share of the mass of all particles lies, by
+    /// their centres, m.
+    Front {
+        /// Direction of the coordinate.
+        along: Axis,
+        /// The share, above 0; with 1 it is the coordinate of the last particle.
+        share: f64,
+    },
     /// Value of the particles whose centres were in a ring at the start of the reference stage.
     Ring {
         /// Centre of the ring, m.
@@ -184,7 +192,7 @@ impl<W, P, G> Quantity<W, P, G> {
     pub fn unit(&self) -> &'static str {
         match self {
             Self::Stress(_) | Self::Ring { value: RingValue::Support, .. } => "Pa",
-            Self::Ring { value: RingValue::Closure, .. } => "m",
+            Self::Ring { value: RingValue::Closure, .. } | Self::Front { .. } => "m",
             Self::Membrane { value: MembraneValue::Area | MembraneValue::OuterArea, .. } => "m^2",
             Self::Cracks { part: CrackPart::Length, .. }
             | Self::Membrane { value: MembraneValue::Width | MembraneValue::OuterWidth, .. } => "m",
@@ -217,6 +225,16 @@ pub enum GrainAmount {
     Mass,
     /// Their share of the mass of all grains.
     Share,
+}
+
+/// An axis of the plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
+pub enum Axis {
+    /// The x axis.
+    X,
+    /// The y axis.
+    Y,
 }
 
 /// Value of the particles in a ring.

@@ -16,11 +16,12 @@ use clastic_components::link::Link;
 use clastic_components::material::ContactLaw;
 use clastic_components::particle::{MaterialIndex, Particle, SetAside};
 use clastic_components::rigid_group::{ContactForce, RigidGroup};
-use clastic_components::wall::{Wall, WallControl, WallDrive, WallRotation};
+use clastic_components::wall::{Wall, WallControl, WallDrive, WallName, WallRotation};
 use clastic_components::wall_shape::WallShape;
 
 use crate::check_values::check_values;
 use crate::links;
+use crate::passing_walls::refuse_passing_walls;
 use crate::rigid_groups::{self, GroupData};
 use crate::schedule::{ClasticHalted, Increment, IncrementSystems};
 use crate::state::RegisterState;
@@ -44,6 +45,7 @@ impl Plugin for GatherBodiesPlugin {
                     (
                         gather_bodies,
                         refuse_small_cells,
+                        refuse_passing_walls,
                         check_values,
                         follow_rows.run_if(not(resource_exists::<ClasticHalted>)),
                     )
@@ -113,6 +115,7 @@ type WallData = (
     &'static WallDrive,
     Option<&'static WallShape>,
     Option<&'static WallRotation>,
+    Option<&'static WallName>,
 );
 
 /// A bond with its identity and its state.
@@ -167,7 +170,10 @@ fn gather_particles(bodies: &mut BodyTable, particles: &Query<ParticleData>) {
 fn gather_walls(bodies: &mut BodyTable, walls: &Query<WallData>) {
     let mut sorted: Vec<_> = walls.iter().collect();
     sorted.sort_unstable_by_key(|row| *row.1);
-    for (entity, id, wall, position, motion, law, control, drive, shape, rotation) in sorted {
+    for (entity, id, wall, position, motion, law, control, drive, shape, rotation, name) in sorted {
+        if let Some(WallName(name)) = name {
+            bodies.names.insert(bodies.ids.len() as u32, name.clone());
+        }
         bodies.walls.push(WallRow {
             body: bodies.ids.len() as u32,
             inward: wall.inward(),

@@ -25,6 +25,7 @@ pub mod mechanism;
 pub mod membranes;
 pub mod motion_settings;
 mod moved;
+mod passing_walls;
 mod places;
 pub mod record;
 #[cfg(feature = "reflect")]

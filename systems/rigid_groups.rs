@@ -33,6 +33,7 @@ pub fn gather(bodies: &mut BodyTable, groups: &Query<GroupData>) {
     for (index, (entity, id, group, position, motion, drives, load)) in
         sorted.into_iter().enumerate()
     {
+        bodies.names.insert(bodies.ids.len() as u32, group.name.clone());
         let mut members: Vec<u32> = group
             .members
             .iter()

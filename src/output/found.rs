@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::ClasticProgress;
 
+use super::platens::span;
 use crate::run::key_results::{MechanismRecord, Results};
 use crate::run::stages::Script;
 
@@ -25,6 +26,8 @@ pub(crate) struct Settled {
 pub struct Found {
     /// Porosity at the start of the reference stage.
     pub porosity: Option<f64>,
+    /// What platens [span](super::platens) there, over the area of the specimen.
+    pub spanned: Option<f64>,
     /// How a packing settled, the last one if several did.
     pub settled: Option<Settled>,
     /// The first collapse that has a mechanism.
@@ -58,6 +61,21 @@ impl Found {
         } else if pours {
             results.not_defined.insert("porosity".to_owned(), POURED.to_owned());
         }
+        if self.spanned.is_some_and(|spanned| !span(spanned)) {
+            let moduli = [
+                ("youngs_modulus_pa", &mut results.youngs_modulus_pa),
+                (
+                    "youngs_modulus_secant_half_peak_pa",
+                    &mut results.youngs_modulus_secant_half_peak_pa,
+                ),
+                ("poissons_ratio", &mut results.poissons_ratio),
+            ];
+            for (name, modulus) in moduli {
+                if modulus.take().is_some() {
+                    results.not_defined.insert(name.to_owned(), NOT_SPANNED.to_owned());
+                }
+            }
+        }
         Results {
             porosity: self.porosity,
             mechanism: self.mechanism,
@@ -67,6 +85,9 @@ impl Found {
         }
     }
 }
+
+/// Why a test whose platens do not span the specimen has no modulus.
+const NOT_SPANNED: &str = "the length of the axial stress times the distance of its walls is not the area of the                            specimen, so that stress over strain is no modulus";
 
 /// Why a scene in which grains pour in has no porosity.
 const POURED: &str = "grains pour in, and the box around grains that fall is no specimen; measure \

@@ -36,6 +36,7 @@ pub mod frames;
 pub mod history;
 pub mod marks;
 pub(crate) mod mechanism;
+mod platens;
 mod plugin;
 pub(crate) mod porosity;
 pub(crate) mod prepared;

@@ -64,7 +64,7 @@ fn place(disk: &StoredParticle) -> DVec2 {
 }
 
 /// Total area of the disks, m^2.
-fn total(disks: &[StoredParticle]) -> f64 {
+pub(super) fn total(disks: &[StoredParticle]) -> f64 {
     Disks::of(disks.iter().map(|disk| disk.r)).area
 }
 

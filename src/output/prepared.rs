@@ -16,7 +16,7 @@ use super::atomic::atomically;
 use super::found::{Found, Settled};
 use super::frames::FrameMoments;
 use super::run_directory::RunDirectory;
-use super::{OutputError, directory, frames, porosity};
+use super::{OutputError, directory, frames, platens, porosity};
 use crate::run::stages::{CurrentStage, Script};
 use crate::scene::format::Stage;
 use crate::scene::{StoredParticle, specimen_file};
@@ -103,6 +103,8 @@ pub fn prepare(
             } else {
                 porosity::porosity(&measures, &walls, &prepared)
             };
+            let spanned = |porosity| platens::spanned(&measures, &prepared, porosity);
+            found.spanned = found.porosity.and_then(spanned);
         }
     }
     Ok(())

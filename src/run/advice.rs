@@ -8,7 +8,6 @@ use clastic_components::contact::BodyTable;
 use clastic_components::domain::RESIDUAL;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::wall::WallName;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 
@@ -45,7 +44,6 @@ pub(crate) fn with_advice(world: &mut World, stage: &Stage, complaint: String) -
     } else {
         format!("; try: {}", remedies.join(", or "))
     };
-    let complaint = with_wall_names(world, complaint);
     format!("increment {increment}, in stage `{}`: {complaint}{advice}", label(stage.name()))
 }
 
@@ -108,15 +106,4 @@ fn driven_together(world: &World, pair: Forced) -> String {
         bodies.name(pair.a as usize),
         bodies.name(pair.b as usize)
     )
-}
-
-/// The text with the names that the scene gives to walls.
-fn with_wall_names(world: &World, text: String) -> String {
-    let bodies = world.resource::<BodyTable>();
-    bodies.walls.iter().map(|wall| wall.body as usize).fold(text, |text, row| {
-        match bodies.entities.get(row).and_then(|wall| world.get::<WallName>(*wall)) {
-            Some(name) => text.replace(&bodies.name(row), &format!("wall `{}`", name.0)),
-            None => text,
-        }
-    })
 }

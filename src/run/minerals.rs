@@ -10,7 +10,7 @@ use crate::scene::specimen_file::StoredSpecimen;
 /// Particles of a scene in the order of identities: those of its specimen that `keep` selects, with
 /// the materials that `minerals` gives them. Both select from the uncut specimen.
 pub fn specimen(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle> {
-    let mut seeds = particles(&scene.specimen, stored);
+    let mut seeds = particles(scene, stored);
     if stored.is_some_and(StoredSpecimen::is_resumed) {
         return seeds;
     }

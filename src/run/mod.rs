@@ -19,6 +19,7 @@ mod load_refusals;
 pub mod measures;
 mod membranes;
 pub mod minerals;
+mod mixed;
 mod particle_controls;
 pub mod particles;
 pub mod plugin;
@@ -50,6 +51,7 @@ pub(crate) mod walls;
 use bevy_app::{App, Plugins};
 use bevy_ecs::prelude::*;
 
+use clastic_components::increment::ClasticProgress;
 use clastic_systems::stepping::{self, ClasticHalted, IncrementDue};
 
 pub use load::end_stage;
@@ -166,7 +168,9 @@ impl Simulation {
 pub fn advance(world: &mut World) -> Step {
     stepping::advance(world);
     if let Some(ClasticHalted(message)) = world.get_resource::<ClasticHalted>() {
-        return Step::Finished(Outcome::Halted(message.clone()));
+        let stage = &world.resource::<ClasticProgress>().stage_name;
+        let place = if stage.is_empty() { String::new() } else { format!("in stage `{stage}`: ") };
+        return Step::Finished(Outcome::Halted(format!("{place}{message}")));
     }
     match &world.resource::<script::Script>().outcome {
         Some(outcome) if !world.resource::<IncrementDue>().0 => Step::Finished(outcome.clone()),

@@ -2,9 +2,11 @@
 
 use glam::DVec2;
 
+use super::cell::at_start;
+use super::mixed::mix;
 use super::random::Random;
 use super::sieve;
-use crate::scene::format::{Particle, Sizes, Specimen};
+use crate::scene::format::{Cell, Particle, Scene, Sizes, Specimen};
 use crate::scene::specimen_file::{StoredParticle, StoredSpecimen};
 
 /// Name of the group of the outermost particles of a lattice.
@@ -23,9 +25,9 @@ fn at_rest(position: DVec2, radius: f64, material: Option<&String>) -> Particle 
     }
 }
 
-/// Particles of a specimen in the order of identities.
-pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Particle> {
-    match specimen {
+/// Particles of a scene's specimen in the order of identities.
+pub fn particles(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle> {
+    match &scene.specimen {
         Specimen::Particles(list) => list.clone(),
         Specimen::Lattice { columns, rows, radius, origin, material } => {
             lattice(*columns, *rows, *radius, (*origin).into(), material.as_ref())
@@ -38,22 +40,33 @@ pub fn particles(specimen: &Specimen, stored: Option<&StoredSpecimen>) -> Vec<Pa
                 Sizes::Sieve { passing } => sieve::radii(passing, *count, *seed),
                 _ => Vec::new(),
             };
-            (0..*count)
+            let (radii, mut places): (Vec<_>, Vec<_>) = (0..*count)
                 .map(|k| {
-                    let cell =
+                    let square =
                         DVec2::new(f64::from(k % columns) + 0.5, f64::from(k / columns) + 0.5);
                     let listed = sieved.get(k as usize).copied();
                     let radius = listed.unwrap_or_else(|| random.radius(sizes));
-                    // The position is random within the cell, so that cells never overlap. A
+                    // The position is random within the square, so that disks never overlap. A
                     // regular grid would consist of straight columns, which rigid frictionless
                     // walls cannot buckle.
                     let room = 0.5 * spacing - radius;
                     let jitter =
                         DVec2::new(random.between(-room, room), random.between(-room, room));
-                    let centre = DVec2::from(*origin) + *spacing * cell + jitter;
-                    at_rest(centre, radius, material.as_ref())
+                    (radius, *spacing * square + jitter)
                 })
-                .collect()
+                .unzip();
+            let grid = [*columns, count.div_ceil(*columns)].map(|n| spacing * f64::from(n));
+            // One that is smaller than the grid is refused.
+            let holds = |cell: &&Cell| {
+                let most = 1.0 + 1e-9;
+                grid[0] <= most * cell.size.0 && grid[1] <= most * cell.size.1
+            };
+            if let Some(cell) = scene.cell.as_ref().filter(holds) {
+                mix(&at_start(cell), &radii, &mut places, &mut random);
+            }
+            let origin = DVec2::from(*origin);
+            let disks = places.into_iter().zip(radii);
+            disks.map(|(x, radius)| at_rest(origin + x, radius, material.as_ref())).collect()
         }
         Specimen::File { material, .. } => rows(stored, material.as_ref()),
         Specimen::State { .. } => rows(stored, None),

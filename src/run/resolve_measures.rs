@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::BodyId;
+use clastic_components::body::{BodyId, BodyPosition};
 use clastic_components::measure::{
     CrackSums, NamedMeasures, Quantity, StrainPath, StrainReference,
 };
@@ -14,7 +14,9 @@ use clastic_components::observation::{
     MeasureArea, MeasureLength, Measures, StrainMeasure, StressMeasure,
 };
 use clastic_components::particle::Particle;
+use glam::DVec2;
 
+use super::load_refusals::why_empty;
 use super::membranes::find_membrane;
 use super::script::Script;
 use super::select::selected;
@@ -119,6 +121,7 @@ fn quantity(world: &mut World, name: &str, of: &scene::Quantity) -> Option<Quant
         &Quantity::Grains { amount, min, max, moved } => {
             Quantity::Grains { amount, min, max, moved }
         }
+        &Quantity::Front { along, share } => Quantity::Front { along, share },
         &Quantity::Ring { centre, radii, value } => Quantity::Ring { centre, radii, value },
         Quantity::Gravity => Quantity::Gravity,
         Quantity::StrengthFactor => Quantity::StrengthFactor,
@@ -177,6 +180,36 @@ fn wanted(world: &World, are_live: bool) -> Vec<(String, scene::Select)> {
 /// The particles of a selection, in the order of identities.
 fn members(world: &mut World, select: &scene::Select) -> Vec<BodyId> {
     selected(world, select).into_iter().map(|(id, _)| id).collect()
+}
+
+/// Why the reference stage cannot begin: a measure of particles that has none. It would never read
+/// anything.
+pub(super) fn of_nothing(world: &mut World) -> Option<String> {
+    let measures = world.resource::<Script>().scene.measures.clone();
+    measures.iter().enumerate().find_map(|(k, scene::Measure { name, of })| match of {
+        Quantity::GroupForce { select, live: false, .. } => {
+            let (what, remedy) = why_empty(select);
+            members(world, select).is_empty().then(|| {
+                format!(
+                    "measures[{k}].of.select, of `{name}`, selects no particle: {what}; {remedy}, or \
+                     select anew in every increment (`live: true`)"
+                )
+            })
+        }
+        Quantity::Ring { centre, radii, .. } => {
+            let mut centres = world.query_filtered::<&BodyPosition, With<Particle>>();
+            let is_inside = |x: &BodyPosition| {
+                (radii.0..=radii.1).contains(&x.0.distance(DVec2::from(*centre)))
+            };
+            (!centres.iter(world).any(is_inside)).then(|| {
+                format!(
+                    "measures[{k}].of.radii, of `{name}`: no particle has its centre between the \
+                     two circles; give a ring that holds particles where they are by then"
+                )
+            })
+        }
+        _ => None,
+    })
 }
 
 /// Selects the particles of the groups for the stage that begins.

@@ -10,7 +10,7 @@ use clastic_components::body::{
 use clastic_components::increment::ClasticAnalysis;
 use clastic_components::particle::Particle;
 use clastic_components::rigid_group::RigidGroup;
-use clastic_components::wall::{WallControl, WallRotation, WallSlide, WallTable};
+use clastic_components::wall::{WallControl, WallName, WallRotation, WallSlide, WallTable};
 use clastic_systems::rigid_groups::{Member, State};
 
 use super::particle_controls::drive;
@@ -167,12 +167,15 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         }
     }
     for (name, control) in stage.rigid.iter().filter(|(_, control)| control.makes()) {
-        let walls = walls_of(world, &control.walls).into_iter().map(|(id, _)| id);
-        let of_another = walls.clone().find_map(|id| taken.iter().find(|taken| taken.0 == id));
-        if let Some((BodyId(id), other)) = of_another {
+        let walls = walls_of(world, &control.walls);
+        let of_another = walls.iter().find_map(|(id, wall)| {
+            let (_, other) = taken.iter().find(|taken| taken.0 == *id)?;
+            Some((&world.get::<WallName>(*wall)?.0, other))
+        });
+        if let Some((wall, other)) = of_another {
             return Some(format!(
-                "rigid.{name} has a wall (body {id}) of the rigid group `{other}`; release \
-                 `{other}` in a stage before"
+                "rigid.{name} has wall `{wall}` of the rigid group `{other}`; release `{other}` in a \
+                 stage before"
             ));
         }
         let chosen = chosen(world, control).into_iter();
@@ -188,7 +191,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
                  in a stage before"
             ));
         }
-        ids.extend(walls);
+        ids.extend(walls.into_iter().map(|(id, _)| id));
         taken.extend(ids.into_iter().map(|id| (id, name.clone())));
     }
     moving_pivot(world, stage)

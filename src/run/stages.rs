@@ -7,7 +7,7 @@ use clastic_systems::measures::strain::take_reference;
 use clastic_systems::stepping::IncrementDue;
 
 use super::plugin::{BeginStage, EndStage, Provided};
-use super::resolve_measures::{resolve_measures, select_groups};
+use super::resolve_measures::{of_nothing, resolve_measures, select_groups};
 pub use super::script::{Collapse, CollapsedBy, EndedBy, Outcome, Script, StageEnd, Step};
 use super::{
     cement, compact, key_results, load, load_refusals, membranes, pour, remove, save, until,
@@ -39,7 +39,9 @@ pub(crate) fn change_stages(world: &mut World) {
         // stage begins it anew. It may lack a plugin in its middle too, in a resumed run.
         let begun = script.begun;
         let lacks = world.resource::<Provided>().refusal(&script.scene, &stage);
+        let is_reference = progress.stage == script.reference_stage();
         let why = lacks.or_else(|| if begun { None } else { refusal(world, &stage) });
+        let why = why.or_else(|| if begun || !is_reference { None } else { of_nothing(world) });
         if let Some(why) = why {
             let stage = stage.name().to_owned();
             let message = format!("stage `{stage}` cannot begin: {why}");

@@ -8,17 +8,20 @@ use crate::text::read::Verbatim;
 /// Names and values of a run, the values in RON.
 pub(super) type Values = Vec<(String, String)>;
 
-/// The values of all runs.
-pub(super) fn combinations(runs: &Runs) -> Vec<Values> {
+/// The values of all runs, each with the path of the part of the study that it comes from.
+pub(super) fn combinations(runs: &Runs, path: &str) -> Vec<(String, Values)> {
     match runs {
-        Runs::Grid(axes) => grid(axes),
+        Runs::Grid(axes) => grid(axes).into_iter().map(|row| (path.to_owned(), row)).collect(),
         Runs::List(list) => {
-            let row = |run: &IndexMap<String, Verbatim>| {
-                run.iter().map(|(name, of)| value(name, of)).collect()
+            let row = |(k, run): (usize, &IndexMap<String, Verbatim>)| {
+                (format!("{path}[{k}]"), run.iter().map(|(name, of)| value(name, of)).collect())
             };
-            list.iter().map(row).collect()
+            list.iter().enumerate().map(row).collect()
         }
-        Runs::Several(parts) => parts.iter().flat_map(combinations).collect(),
+        Runs::Several(parts) => {
+            let of_part = |(k, part): (usize, &Runs)| combinations(part, &format!("{path}[{k}]"));
+            parts.iter().enumerate().flat_map(of_part).collect()
+        }
     }
 }
 

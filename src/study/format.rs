@@ -20,8 +20,10 @@ use serde::Deserialize;
 
 use crate::scene::SceneErrors;
 use crate::text::VERSION;
-use crate::text::read::Verbatim;
-use crate::text::read::read_sound;
+use crate::text::diagnostic::line_and_column;
+use crate::text::read::{Verbatim, read_sound};
+use crate::text::scan::scan;
+use crate::text::spans::nearest;
 
 /// A study: runs of one scene with other settings.
 #[derive(Debug, Deserialize)]
@@ -51,6 +53,9 @@ pub struct Study {
     pub average_over: Vec<String>,
     /// The runs.
     pub runs: Runs,
+    /// The text that was read.
+    #[serde(skip)]
+    pub(super) text: String,
 }
 
 /// Name whose value is the scene of a run, in a study with several scenes.
@@ -92,33 +97,42 @@ pub enum StudyError {
     #[error(transparent)]
     Text(SceneErrors),
     /// What it asks for is wrong.
-    #[error("{}: {message}", file.display())]
+    #[error("{}:{line}:{column}: {message}", file.display())]
     Plan {
         /// The file of the study.
         file: PathBuf,
-        /// The mistake and its remedy.
+        /// Line of the file, from 1.
+        line: usize,
+        /// Column in characters, from 1.
+        column: usize,
+        /// The field, the mistake and its remedy.
         message: String,
     },
-}
-
-impl StudyError {
-    pub(super) fn new(file: &Path, message: impl Into<String>) -> Self {
-        Self::Plan { file: file.to_owned(), message: message.into() }
-    }
 }
 
 impl Study {
     /// Reads a study from its text. `file` stands in messages.
     pub fn read(text: &str, file: &Path) -> Result<Self, StudyError> {
-        let study: Self = read_sound(text, file).map_err(StudyError::Text)?;
+        let mut study: Self = read_sound(text, file).map_err(StudyError::Text)?;
+        text.clone_into(&mut study.text);
         if study.version != VERSION {
-            let message = format!(
-                "version: {} is unknown; this clastic reads version {VERSION}",
-                study.version
-            );
-            return Err(StudyError::new(file, message));
+            let message =
+                format!("{} is unknown; this clastic reads version {VERSION}", study.version);
+            return Err(study.wrong(file, "version", &message));
         }
         Ok(study)
+    }
+
+    /// The error about a field of the study, which its path names.
+    pub(super) fn wrong(&self, file: &Path, path: &str, message: &str) -> StudyError {
+        let at = scan(&self.text).0.map_or(0, |root| nearest(&root, path, false));
+        let (line, column) = line_and_column(&self.text, at);
+        StudyError::Plan {
+            file: file.to_owned(),
+            line,
+            column,
+            message: format!("{path}: {message}"),
+        }
     }
 }
 

@@ -11,6 +11,7 @@ use crate::output::directory;
 use crate::output::run_record::{CLASTIC_VERSION, sha256};
 use crate::scene::LoadedScene;
 use crate::scene::format::{Save, Scene, Specimen, Stage};
+use crate::text::spans::join;
 use crate::text::suggest;
 
 /// Number of hexadecimal digits of the hash that name a directory: two of a million runs have
@@ -28,13 +29,13 @@ type Load<'a> = &'a dyn Fn(Wanted<'_>) -> Result<LoadedScene, String>;
 
 /// Plans a study. `file` is that of the study.
 pub fn plan(study: &Study, file: &Path, load: Load<'_>) -> Result<Plan, StudyError> {
-    let wrong = |message: String| StudyError::new(file, message);
-    let mut rows = combinations(&study.runs);
+    let wrong = |path: &str, message: String| study.wrong(file, path, &message);
+    let mut rows = combinations(&study.runs, "runs");
     if rows.is_empty() {
-        return Err(wrong("runs: there are none; give at least one".to_owned()));
+        return Err(wrong("runs", "there are none; give at least one".to_owned()));
     }
     let mut plan = Plan::default();
-    for (name, value) in rows.iter_mut().flatten() {
+    for (name, value) in rows.iter_mut().flat_map(|(_, values)| values) {
         if name == SCENE && study.scene.is_none() {
             // The value is a string in RON.
             *value = value.trim_matches('"').to_owned();
@@ -47,21 +48,21 @@ pub fn plan(study: &Study, file: &Path, load: Load<'_>) -> Result<Plan, StudyErr
         study.prepare.iter().map(|prepare| ("prepare.settings", &prepare.settings));
     for (place, settings) in [("settings", &study.settings)].into_iter().chain(of_preparation) {
         for (name, fields) in settings {
+            let wrong = |message: String| wrong(&join(place, name), message);
             if !plan.names.contains(name) {
                 return Err(wrong(format!(
-                    "{place}: no run has `{name}`; give it values in `runs`, or leave it out"
+                    "no run has `{name}`; give it values in `runs`, or leave it out"
                 )));
             }
             if fields.is_empty() {
-                return Err(wrong(format!(
-                    "{place}.{name}: no field; name the fields of the scene that it stands for"
-                )));
+                let message = "no field; name the fields of the scene that it stands for";
+                return Err(wrong(message.to_owned()));
             }
             let is_constant = |field: &&String| field.contains('=') && !field.contains("{}");
             if let Some(field) = fields.iter().find(is_constant) {
                 return Err(wrong(format!(
-                    "{place}.{name}: `{field}` has no place for the value; write `{{}}` there, \
-                     or give it to all runs in `set`"
+                    "`{field}` has no place for the value; write `{{}}` there, or give it to all \
+                     runs in `set`"
                 )));
             }
         }
@@ -69,15 +70,15 @@ pub fn plan(study: &Study, file: &Path, load: Load<'_>) -> Result<Plan, StudyErr
     if let Some(name) = study.average_over.iter().find(|name| !plan.names.contains(name)) {
         let known: Vec<_> = plan.names.iter().map(String::as_str).collect();
         let help = suggest::help(name, &known, "names of the runs");
-        return Err(wrong(format!("average_over: no run has `{name}`; {help}")));
+        return Err(wrong("average_over", format!("no run has `{name}`; {help}")));
     }
-    for (k, values) in rows.iter().enumerate() {
+    for (k, (path, values)) in rows.iter().enumerate() {
         let value = |name| values.iter().find(|(known, _)| known == name);
         let value = |name| value(name).map_or(String::new(), |(_, value)| value.clone());
         let run =
             PlannedRun { values: plan.names.iter().map(value).collect(), ..PlannedRun::default() };
         let what = format!("run {} ({})", k + 1, run.label(&plan.names));
-        plan.add(run, study, load).map_err(|message| wrong(format!("{what}{message}")))?;
+        plan.add(run, study, load).map_err(|message| wrong(path, format!("{what}{message}")))?;
     }
     Ok(plan)
 }
@@ -276,11 +277,15 @@ mod tests {
     #[test]
     fn a_mistake_in_one_run_is_told_before_anything_runs() {
         for (runs, expected) in [
-            (r#"Grid({ "mu": [0.2, -1.0] })"#, "run 2 (mu -1.0)"),
+            (r#"Grid({ "mu": [0.2, -1.0] })"#, "study.ron:1:104: runs: run 2 (mu -1.0)"),
             (r#"Grid({ "mu": [0.2], "materials.m.contact.frction": [1.0] })"#, "frction"),
             (r#"Grid({ "mu": [0.2, 0.2] })"#, "run 2 (mu 0.2) is the same as run 1"),
-            (r#"Grid({ "mu": [] })"#, "runs: there are none"),
-            (r#"Grid({ "thickness": [1.0] })"#, "no run has `mu`"),
+            (
+                r#"List([{ "mu": 0.2 }, { "mu": -1.0 }])"#,
+                "study.ron:1:125: runs[1]: run 2 (mu -1.0)",
+            ),
+            (r#"Grid({ "mu": [] })"#, "study.ron:1:104: runs: there are none"),
+            (r#"Grid({ "thickness": [1.0] })"#, "study.ron:1:62: settings.mu: no run has `mu`"),
             (r#"List([{ "mu": 1.0, "mu": 2.0 }])"#, "`mu` is given twice"),
             (r#"Grit({ "mu": [0.2] })"#, "study.ron:1:"),
         ] {

@@ -3,7 +3,7 @@
 //! No crate reads it: values must have the same bits on every machine, which functions of `libm`
 //! have and those of the standard library have not, and their units are checked.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use super::dimension::Dimension;
 use super::units;
@@ -193,6 +193,19 @@ impl Expression {
             }
             Self::Function(function, argument) => (function.value)(argument.value(of)?),
         })
+    }
+
+    /// The first angle beyond a full turn in it, rad.
+    pub fn wide_angle(&self, of: &impl Fn(&str) -> Option<f64>) -> Option<f64> {
+        match self {
+            Self::Number(_) | Self::Name(_) => None,
+            Self::Operation(_, operands) => operands.iter().find_map(|part| part.wide_angle(of)),
+            Self::Function(Function { name, .. }, argument) => {
+                let is_angle = matches!(*name, "sin" | "cos" | "tan");
+                let angle = argument.value(of).filter(|angle| is_angle && angle.abs() > TAU);
+                angle.or_else(|| argument.wide_angle(of))
+            }
+        }
     }
 
     /// Its names but `pi`.

@@ -92,6 +92,9 @@ impl<'a> Reader<'a> {
                 {
                     format!("write `{}`, without `Some`", value.literal)
                 }
+                [Entry { key: None, value }] if self.node.name.is_none() => {
+                    format!("leave the outer brackets out: `{}`", value.literal)
+                }
                 [_, _, ..] => "give one number".to_owned(),
                 _ => String::new(),
             },

@@ -117,6 +117,12 @@ fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Notes, Repla
     let value = |name: &str| Some(numbers.get(name)?.0);
     let mut replacements = Replacements::new();
     for at in uses.iter().filter(|at| at.own.is_empty()) {
+        if let Some(angle) = at.expression.wide_angle(&value) {
+            let message =
+                format!("`{}` has an angle of {angle} rad, more than a full turn", at.node.literal);
+            let help = format!("angles are in rad: write `{angle} * pi / 180` for degrees");
+            findings.push(Finding::new(&at.path, message, help));
+        }
         let new = match (&at.expression, at.expression.value(&value)) {
             // As it is written: a seed has more digits than a number with a point.
             (Expression::Name(name), Some(_)) if numbers.contains_key(name) => {

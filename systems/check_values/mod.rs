@@ -60,7 +60,10 @@ pub(crate) fn check_values(
         Ok((None, Some(WallName(name)))) => format!("`{name}`"),
         _ => format!("entity {entity}"),
     };
-    let body = |row: usize| format!("{}, {},", bodies.name(row), called(bodies.entities[row]));
+    let body = |row: usize| match bodies.names.get(&(row as u32)) {
+        Some(_) => bodies.name(row),
+        None => format!("{}, {},", bodies.name(row), called(bodies.entities[row])),
+    };
     let list = materials.as_ref().map_or(&[][..], |materials| &materials.0);
     let of_material = || {
         list.iter().enumerate().find_map(|(i, material)| {

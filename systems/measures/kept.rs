@@ -42,6 +42,7 @@ pub fn kept_reading(world: &mut World, quantity: &Quantity, reference: Option<f6
         | Quantity::WallForce { .. }
         | Quantity::Membrane { .. }
         | Quantity::Grains { .. }
+        | Quantity::Front { .. }
         | Quantity::Ring { .. }
         | Quantity::Poured(_) => {
             let _ = world.run_system_cached(gather_bodies);

@@ -3,6 +3,7 @@
 pub mod cracks;
 pub mod fabric;
 pub mod fragments;
+mod front;
 pub mod groups;
 pub mod kept;
 pub mod principal;
@@ -246,6 +247,7 @@ impl EndTables<'_, '_> {
                     GrainAmount::Share => counted / mass,
                 })
             }
+            Quantity::Front { along, share } => front::read(bodies, *along, *share),
             Quantity::Ring { centre, radii, value } => {
                 let ring = ((*centre).into(), *radii, analysis.thickness);
                 ring::read(&self.particles, self.strains.starts()?, ring, *value)

@@ -164,7 +164,6 @@ fn a_ring_reads_its_closure_and_its_support() {
           measures: [
             (name: \"closure\", of: Ring(centre: (0.0, 0.0), radii: (0.015, 0.03), value: Closure)),
             (name: \"support\", of: Ring(centre: (0.0, 0.0), radii: (0.015, 0.03), value: Support)),
-            (name: \"nobody\", of: Ring(centre: (0.0, 0.0), radii: (0.05, 0.06), value: Support)),
           ])"
     ));
     let mut simulation = Simulation::new(&scene, None);
@@ -172,7 +171,37 @@ fn a_ring_reads_its_closure_and_its_support() {
     let read = &simulation.world().resource::<Readings>().0;
     assert_relative(read[0].unwrap(), force / stiffness, 1e-6);
     assert_relative(read[1].unwrap(), -4.0 * force / (TAU * 0.015 * 2.0), 1e-9);
-    assert_eq!(read[2], None);
+}
+
+/// Their columns were empty without a word.
+#[test]
+fn measures_of_no_particle_are_refused_where_they_begin() {
+    let pair = |of: &str| {
+        parse(&format!(
+            "(version: 1, title: \"pair\", materials: {{ \"m\": () }},
+              specimen: Particles([(position: (0.0, 0.0), radius: 1.0), (position: (3.0, 0.0), radius: 1.0)]),
+              stages: [Load(name: \"rest\", increments: 1)],
+              measures: [(name: \"time\", of: Time), (name: \"none\", of: {of})])"
+        ))
+    };
+    let far = "select: Circle(centre: (9.0, 9.0), radius: 1.0)";
+    for (of, said) in [
+        (
+            "Ring(centre: (0.0, 0.0), radii: (5.0, 6.0), value: Support)".to_owned(),
+            "measures[1].of.radii",
+        ),
+        (format!("GroupForce({far})"), "measures[1].of.select"),
+    ] {
+        let Outcome::Refused { stage, message } = Simulation::new(&pair(&of), None).run() else {
+            panic!("{of}");
+        };
+        assert!(
+            stage == "rest" && message.contains(said) && message.contains("`none`"),
+            "{message}"
+        );
+    }
+    let live = pair(&format!("GroupForce({far}, live: true)"));
+    assert!(matches!(Simulation::new(&live, None).run(), Outcome::Completed));
 }
 
 /// A bonded block with a tail of three disks, and a disk by itself. `Loose(1)` is what nothing holds, and

@@ -107,6 +107,7 @@ fn pressed() -> Simulation {
             (name: "f_xy", of: Fabric(component: Xy)), (name: "a", of: Fabric(component: Anisotropy)),
             (name: "at", of: Fabric(component: Direction)),
             (name: "strong a", of: Fabric(component: Anisotropy, network: Strong)),
+            (name: "last", of: Front(along: X, share: 1.0)), (name: "low", of: Front(along: Y, share: 0.25)),
             (name: "psi", of: DilationAngle()), (name: "elastic_j", of: ElasticEnergy),
             (name: "kinetic_j", of: KineticEnergy), (name: "quiet", of: KineticOverElastic),
         ],
@@ -130,6 +131,9 @@ fn forces_stresses_and_energies_of_ten_pressed_disks_are_those_by_hand() {
         let found = reading(simulation.world(), name).unwrap_or(f64::NAN);
         assert!((found - expected).abs() <= 1e-4 * expected.abs(), "{name}: {found} {expected}");
     };
+    // The disks follow the field. Three of ten lie in the lowest row.
+    near("last", disks.iter().map(|x| (*x + moved(*x)).x).fold(0.0, f64::max));
+    assert!(reading(simulation.world(), "low").unwrap().abs() < 1e-9);
     // Three disks at the floor, two at the roof.
     let (floor, roof) = (3.0 * K[0] * E, 2.0 * K[0] * 2.0 * E);
     near("floor_n", floor);

@@ -4,15 +4,17 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use clastic::components::cell::PeriodicCell;
-use clastic::components::contact::{BodyTable, ContactTable};
-use clastic::cone::program::ConeSolution;
+use clastic::components::contact::BodyTable;
 use clastic::run::measures::reading;
 use clastic::run::{Outcome, Simulation};
 use clastic::scene::format::{
-    FabricComponent, Measure, Network, Quantity, Scene, Specimen, Stage, Strain, StrainComponent,
+    CompactTarget, FabricComponent, Measure, Network, Quantity, Scene, Specimen, Stage, Strain,
+    StrainComponent,
 };
 
-use crate::common::{load, next, parse};
+use clastic::systems::detect_contacts::periodic::pairs_within;
+
+use crate::common::{load, next, parse, states};
 
 const RADIUS: f64 = 5.0e-3;
 const NORMAL: f64 = 3.0e7;
@@ -506,9 +508,9 @@ fn waves_in_a_cell_have_their_period() {
             let mut wave = scene(&(list + "])"), size, 0.0, "", &stages);
             wave.materials.get_mut("sand").unwrap().contact.tangential_stiffness = None;
             let mut simulation = Simulation::new(&wave, None);
-            let first = crate::common::states(&mut simulation);
+            let first = states(&mut simulation);
             while next(&mut simulation).is_some() {}
-            let last = crate::common::states(&mut simulation);
+            let last = states(&mut simulation);
             let momentum: glam::DVec2 = last.iter().map(|s| s.mass * s.velocity).sum();
             assert!(momentum.length() < 1e-6 * mass * 1e-7 * omega, "{momentum:?}");
             // After one period every disk is where it began, but for the phase.
@@ -526,28 +528,37 @@ fn waves_in_a_cell_have_their_period() {
     }
 }
 
-/// Normals kept the directions of the grid on which disks are placed: mean cos 4 theta was 0.3, and the
-/// friction in simple shear half of that in a biaxial test.
+/// Normals kept the directions of the grid on which disks are placed: mean cos 4 theta was 0.2 to 0.4 without
+/// a strong agitation, and the friction in simple shear half of that in a biaxial test.
 #[test]
 fn the_packing_of_a_cell_forgets_the_grid_of_its_disks() {
-    let (mut sum, mut count) = (0.0, 0);
-    for of in 1..=4 {
-        let mut scene = load("simple_shear_periodic");
-        let Specimen::Packing { seed, .. } = &mut scene.specimen else { panic!() };
-        *seed = of;
-        let Stage::Compact(compact) = &mut scene.stages[0] else { panic!() };
-        compact.seed = of;
-        let mut simulation = Simulation::new(&scene, None);
-        while next(&mut simulation).is_some_and(|record| record.stage != "shear") {}
-        let contacts = &simulation.world().resource::<ContactTable>().0;
-        let forces = &simulation.world().resource::<ConeSolution>().forces;
-        for (contact, _) in contacts.iter().zip(forces).filter(|(_, f)| f[0] > 0.0) {
-            sum += (4.0 * contact.normal.to_angle()).cos();
-            count += 1;
+    for name in ["simple_shear_periodic", "direct_tension"] {
+        let (mut sum, mut count) = (0.0, 0);
+        for of in 1..=10 {
+            let mut scene = load(name);
+            let Specimen::Packing { seed, .. } = &mut scene.specimen else { panic!() };
+            *seed = of;
+            let Stage::Compact(compact) = &mut scene.stages[0] else { panic!() };
+            (compact.seed, compact.agitation, compact.target) = (of, 0.1, CompactTarget::Jammed);
+            scene.stages.truncate(1);
+            scene.measures.clear();
+            scene.reference_stage = None;
+            let mut simulation = Simulation::new(&scene, None);
+            assert!(matches!(simulation.run(), Outcome::Completed));
+            let disks = states(&mut simulation);
+            let (places, radii): (Vec<_>, Vec<_>) =
+                disks.iter().map(|disk| (disk.position, disk.radius)).unzip();
+            let cell = *simulation.world().resource::<PeriodicCell>();
+            let near = 0.02 * radii[0];
+            for (a, b) in pairs_within(&cell, &places, &radii, near) {
+                let apart = places[b as usize] - places[a as usize];
+                sum += (4.0 * (apart + cell.shift(apart)).to_angle()).cos();
+                count += 1;
+            }
         }
+        // Directions by chance have 0.01; the grid left 0.09 in rock and 0.13 in sand.
+        let mean = sum / f64::from(count);
+        println!("{name}: {mean} of {count} pairs");
+        assert!(count > 3000 && mean.abs() < 0.04, "{name}: {mean}");
     }
-    // Three standard errors of directions by chance.
-    let (mean, error) = (sum / f64::from(count), (0.5 / f64::from(count)).sqrt());
-    println!("{mean} of {count} contacts");
-    assert!(mean.abs() < 3.0 * error, "{mean}");
 }

@@ -171,15 +171,15 @@ fn an_input_without_an_effect_is_refused_by_name() {
         ),
         (
             |app, _| wall(app, WallControl::Velocity(DVec2::Y)),
-            "wall (body 2), `floor`, has WallControl = Velocity(DVec2(0.0, 1.0)): give `Displacement`",
+            "wall `floor` has WallControl = Velocity(DVec2(0.0, 1.0)): give `Displacement`",
         ),
         (
             |app, _| wall(app, WallControl::Table(TableOf::Displacement)),
-            "wall (body 2), `floor`, has WallTable = \"missing\": give the points",
+            "wall `floor` has WallTable = \"missing\": give the points",
         ),
         (
             |app, _| wall(app, WallSlide::Displacement(1.0e-6)),
-            "wall (body 2), `floor`, has WallSlide = Displacement(1e-6): give a control by `Force`",
+            "wall `floor` has WallSlide = Displacement(1e-6): give a control by `Force`",
         ),
         (
             |app, [_, b]| _ = app.world_mut().entity_mut(b).remove::<BodyVelocity>(),

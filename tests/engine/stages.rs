@@ -32,6 +32,25 @@ fn records(text: &str) -> Vec<Observation> {
     run(&parse(text)).0
 }
 
+/// After a compaction, of which the check of a scene knows no distance, elastic walls went on through
+/// each other.
+#[test]
+fn walls_do_not_pass_each_other_after_a_compaction() {
+    let text = pressed(
+        r#"stages: [
+            Compact(name: "compact", wall: "lid", base: "floor", target: Height(1.0), step: 0.1),
+            Load(name: "lower", increments: 2, walls: { "lid": Displacement(0.0, -0.3) }),
+            Load(name: "on", increments: 3, walls: { "lid": Displacement(0.0, -0.3) }),
+        ],"#,
+    );
+    let mut scene = parse(&text);
+    let lid = &mut scene.walls[1];
+    (lid.start.1, lid.end.1) = (2.0, 2.0);
+    let Outcome::Halted(message) = Simulation::new(&scene, None).run() else { panic!() };
+    let said = "in stage `on`: wall `floor` and wall `lid` would meet or pass each other";
+    assert!(message.contains(said), "{message}");
+}
+
 #[test]
 fn loads_of_a_stage_that_ends_early_go_on_from_where_they_were() {
     let records = records(&pressed(

@@ -88,6 +88,10 @@ fn quantity(at: &mut At, of: &Quantity) {
             at.refuse(low.0 >= high.0 || low.1 >= high.1, "max", message, help);
             at.not_negative("moved", *moved, "a displacement in m");
         }
+        Quantity::Front { share, .. } => {
+            let allowed = |share| share > 0.0 && share <= 1.0;
+            at.number("share", *share, allowed, "a share of the mass above 0, at most 1");
+        }
         Quantity::Ring { centre, radii, .. } => {
             at.place("centre", *centre);
             at.range("radii", *radii, "radii in m");

@@ -1,11 +1,12 @@
 //! Rigid groups in a stage: each is made once, and controlled while it is there.
 
-use crate::scene::format::{Load, Motion, RigidControl};
+use crate::scene::format::{Analysis, Load, Motion, RigidControl};
 use crate::text::suggest;
 
 use super::findings::At;
 use super::parts::{is_known, load, motion, wall_there};
 use super::select::select;
+use super::wall_controls::MAX_TURN;
 
 /// A group that exists, with those of its walls that the scene names: none of a group of the state
 /// from which the scene starts, whose members the run knows.
@@ -79,6 +80,14 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
     for (field, wanted, unit) in control.motions() {
         motion(at, field, wanted, unit);
     }
+    let turn = match (control.rotation, at.analysis) {
+        (Motion::Displacement(angle), _) => angle,
+        (Motion::Velocity(rate), Analysis::Dynamic { dt, .. }) => rate * dt,
+        _ => 0.0,
+    };
+    let message = format!("a turn of {turn:?} rad in an increment");
+    let help = "give a smaller one, or a smaller dt: at most 0.2 rad in an increment";
+    at.refuse(turn.abs() > MAX_TURN, "rotation[0]", message, help);
     load(at, control.force, control.moment);
     at.vector("stress.value", control.stress.map(|stress| stress.value), "a stress in Pa");
     at.positive("stress.length", control.stress.map(|stress| stress.length), "a length in m");

@@ -137,12 +137,51 @@ pub(super) fn groups(at: &mut At) {
 /// The check therefore covers the first stage that loads or removes. For later stages the run makes
 /// this check when they begin.
 pub(super) fn regions(at: &mut At) {
-    let context = at.context;
-    let scene = context.scene;
+    let groups = &at.context.scene.groups;
+    let Some((i, stage)) = unmoved(at.context) else { return };
+    let rigid: Vec<_> = stage.load().into_iter().flat_map(|load| &load.rigid).collect();
+    if by_place(stage, groups).next().is_none() && rigid.len() < 2 {
+        return;
+    }
+    let at = &mut at.item("stages", i);
+    let is_sound = ["particles", "rigid", "select"].iter().all(|f| at.are_sound(&[&at.path(f)]));
+    let Some(seeds) = known_seeds(at).filter(|_| is_sound) else { return };
+    let taken = |select: &Select| members(at.context, &seeds, select);
+    let with_select = rigid.into_iter().filter_map(|(name, of)| Some((name, of.select.as_ref()?)));
+    let made = with_select.filter(|(_, select)| !select.needs_forces(groups));
+    let made: Vec<_> = made.map(|(name, select)| (name, taken(select))).collect();
+    let empty = by_place(stage, groups).filter(|(_, select)| taken(select).is_empty());
+    let empty: Vec<_> = empty.collect();
+    for (k, (name, of_one)) in made.iter().enumerate() {
+        let shared = made[..k].iter().find_map(|(other, of_other)| {
+            Some((other, of_one.iter().find(|index| of_other.binary_search(index).is_ok())?))
+        });
+        if let Some((other, index)) = shared {
+            let message =
+                format!("takes particle {index}, which is a member of the rigid group `{other}`");
+            let help = "a particle belongs to one group: select others";
+            at.entry("rigid", name).add("select", message, help);
+        }
+    }
+    for (entry, select) in empty {
+        let (why, what) = match select {
+            Select::Box { .. } => (": no centre is in the box", "a box that holds some"),
+            _ => ("", "one that has some"),
+        };
+        at.add(entry, format!("selects no particle{why}"), bounds(what, &seeds));
+    }
+}
+
+/// The first stage that moves or removes particles, with its index.
+fn unmoved<'a>(context: &Context<'a>) -> Option<(usize, &'a Stage)> {
     let moves = |stage: &Stage| !matches!(stage, Stage::Cement(_) | Stage::Save(_));
-    let unmoved = scene.stages.iter().position(moves);
-    let Some((i, stage)) = unmoved.map(|i| (i, &scene.stages[i])) else { return };
-    let is_known = match &scene.specimen {
+    context.scene.stages.iter().enumerate().find(|(_, stage)| moves(stage))
+}
+
+/// The particles at the start, by index; `None` where they are not known.
+fn known_seeds(at: &At) -> Option<Vec<Particle>> {
+    let context = at.context;
+    let is_known = match &context.scene.specimen {
         // A run that is resumed does not read the state again, and its particles are elsewhere.
         Specimen::State { .. } => context.state().is_some_and(|state| state.saved.is_some()),
         _ => context.is_read(),
@@ -150,40 +189,29 @@ pub(super) fn regions(at: &mut At) {
     // Rows are not indices where particles were taken away before.
     let has_gaps =
         context.specimen.is_some_and(|stored| stored.indices != stored.rows.len() as u64);
-    if !is_known || has_gaps || by_place(stage, &scene.groups).next().is_none() {
-        return;
-    }
     // An invalid recipe makes no particles.
-    let at = &mut at.item("stages", i);
-    let is_sound = at.are_sound(&["specimen", "groups", "materials", "minerals", "keep"])
-        && ["particles", "rigid", "select"].iter().all(|field| at.are_sound(&[&at.path(field)]));
-    if !is_sound {
-        return;
-    }
-    let seeds = context.at_start();
+    let is_sound = at.are_sound(&["specimen", "groups", "materials", "minerals", "keep"]);
+    (is_known && !has_gaps && is_sound).then(|| context.at_start())
+}
+
+/// Indices of the particles at the start that a selection takes.
+fn members(context: &Context, seeds: &[Particle], select: &Select) -> Vec<u32> {
+    let scene = context.scene;
     let only = context.materials.first().filter(|_| context.materials.len() == 1);
     let probes: BTreeMap<u32, &str> =
         scene.probes.iter().map(|(name, index)| (*index, name.as_str())).collect();
-    for (entry, select) in by_place(stage, &scene.groups) {
-        let has = |(seed, index): (&Particle, u32)| {
-            let of = Candidate {
-                index,
-                place: seed.position.into(),
-                material: seed.material.as_deref().or(only.copied()),
-                group: seed.group.as_deref(),
-                probe: seed.probe.as_deref().or(probes.get(&index).copied()),
-                core: u32::MAX,
-            };
-            selects(select, &scene.groups, &of)
+    let has = |(seed, index): &(&Particle, u32)| {
+        let of = Candidate {
+            index: *index,
+            place: seed.position.into(),
+            material: seed.material.as_deref().or(only.copied()),
+            group: seed.group.as_deref(),
+            probe: seed.probe.as_deref().or(probes.get(index).copied()),
+            core: u32::MAX,
         };
-        if !seeds.iter().zip(0..).any(has) {
-            let (why, what) = match select {
-                Select::Box { .. } => (": no centre is in the box", "a box that holds some"),
-                _ => ("", "one that has some"),
-            };
-            at.add(entry, format!("selects no particle{why}"), bounds(what, &seeds));
-        }
-    }
+        selects(select, &scene.groups, &of)
+    };
+    seeds.iter().zip(0..).filter(has).map(|(_, index)| index).collect()
 }
 
 /// Entries of a stage whose particles depend on places or on sets: place and selection.
