@@ -1,12 +1,13 @@
 //! Rigid groups in a stage: each is made once, and controlled while it is there.
 
+use std::f64::consts::PI;
+
 use crate::scene::format::{Analysis, Load, Motion, RigidControl};
 use crate::text::suggest;
 
 use super::findings::At;
 use super::parts::{is_known, load, motion, wall_there};
 use super::select::select;
-use super::wall_controls::MAX_TURN;
 
 /// A group that exists, with those of its walls that the scene names: none of a group of the state
 /// from which the scene starts, whose members the run knows.
@@ -86,8 +87,9 @@ fn control_of_group(at: &mut At, control: &RigidControl) {
         _ => 0.0,
     };
     let message = format!("a turn of {turn:?} rad in an increment");
-    let help = "give a smaller one, or a smaller dt: at most 0.2 rad in an increment";
-    at.refuse(turn.abs() > MAX_TURN, "rotation[0]", message, help);
+    // Members follow by finite rotations: beyond half a turn they end where a turn the other way ends.
+    let help = "give a smaller one, or a smaller dt: at most half a turn (pi) in an increment";
+    at.refuse(turn.abs() > PI, "rotation[0]", message, help);
     load(at, control.force, control.moment);
     at.vector("stress.value", control.stress.map(|stress| stress.value), "a stress in Pa");
     at.positive("stress.length", control.stress.map(|stress| stress.length), "a length in m");

@@ -8,9 +8,9 @@ use crate::text::suggest;
 use super::findings::At;
 use super::parts::{ONE_PIECE, are_apart, needs_time, one_piece, straight, wall_there};
 
-/// Maximum rotation of a wall or a rigid group in an increment, rad. Gaps are those of the rotation to
-/// first order for a disk that moves with it, whose error is that share squared of its motion.
-pub(super) const MAX_TURN: f64 = 0.2;
+/// Maximum rotation of a wall in an increment, rad. Gaps are those of the rotation to first order
+/// for a disk that moves with the wall, whose error is that share squared of its motion.
+const MAX_TURN: f64 = 0.2;
 
 /// Checks the control of a wall in a stage, which may have no time.
 pub(super) fn control_of_wall(at: &mut At, name: &str, control: &WallControl, increments: u32) {
