@@ -87,7 +87,8 @@ impl Found {
 }
 
 /// Why a test whose platens do not span the specimen has no modulus.
-const NOT_SPANNED: &str = "the length of the axial stress times the distance of its walls is not the area of the                            specimen, so that stress over strain is no modulus";
+const NOT_SPANNED: &str = "the length of the axial stress times the distance of its walls is not \
+                           the area of the specimen, so that stress over strain is no modulus";
 
 /// Why a scene in which grains pour in has no porosity.
 const POURED: &str = "grains pour in, and the box around grains that fall is no specimen; measure \
