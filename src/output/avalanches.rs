@@ -17,11 +17,12 @@ use serde::{Deserialize, Serialize};
 use clastic_components::bond::Rupture;
 use clastic_components::cell::PeriodicCell;
 use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::EventSearch;
+use clastic_components::findings::{Corrections, EventSearch};
 use clastic_components::increment::ClasticProgress;
 use clastic_components::observation::Observation;
-use clastic_cone::program::{ConeProgram, ConeSolution, Dof};
+use clastic_cone::program::Dof;
 use clastic_systems::measures::elastic_energy_left;
+use clastic_systems::solved::SolvedTables;
 
 use super::OutputError;
 use super::csv_file::{Column, Field, row};
@@ -96,7 +97,7 @@ impl Avalanche {
         let is_loaded = observation.fraction > 0.0;
         let is_active = now.search.active;
         // Of contacts and bonds, J. Only static increments begin and end avalanches.
-        let energy = || elastic_energy_left(&now.program, &now.solution);
+        let energy = || elastic_energy_left(now.tables.get(), &now.corrections);
         let after = (!is_loaded).then(|| (observation.axial_stress, energy()));
         if let Some(avalanche) = open.as_mut().filter(|_| !is_loaded) {
             avalanche.work = avalanche.work.zip(now.work()).map(|(before, more)| before + more);
@@ -156,8 +157,8 @@ pub(super) struct Now<'w> {
     observation: Res<'w, Observation>,
     progress: Res<'w, ClasticProgress>,
     search: Res<'w, EventSearch>,
-    program: Res<'w, ConeProgram>,
-    solution: Res<'w, ConeSolution>,
+    tables: SolvedTables<'w>,
+    corrections: Res<'w, Corrections>,
     ledger: Option<Res<'w, EnergyLedger>>,
     cell: Option<Res<'w, PeriodicCell>>,
 }
@@ -169,7 +170,7 @@ impl Now<'_> {
         if let Some(ledger) = &self.ledger {
             return Some(ledger.increment.external + ledger.increment.gravity);
         }
-        let mut dofs = self.program.bodies.iter().flat_map(|body| &body.dofs);
+        let mut dofs = self.tables.get().program.bodies.iter().flat_map(|body| &body.dofs);
         let is_loaded = dofs.any(|dof| matches!(dof, Dof::Free(free) if free.load != 0.0));
         (!is_loaded).then_some(0.0)
     }

@@ -42,9 +42,12 @@ pub fn judge(
         && motion.weight <= settings.rest_weight
         && far <= motion.length * settings.max_travel_at_rest)
         || (is_free && motion.free_steps + 1 >= settings.max_free_steps);
-    let at_rest = is_slow && settles(solved, motion);
+    let settles = settles(solved, motion);
+    // Where no equilibrium was found at the rest of another motion, there is a long way to go.
+    let at_rest = is_slow && (settles || attempt.motions == 1);
     let travelled = motion.travelled + far;
-    let is_idle = at_rest && !motion.released && travelled <= min_travel(&acceptance, &settings);
+    let is_idle =
+        at_rest && settles && !motion.released && travelled <= min_travel(&acceptance, &settings);
     if is_idle && attempt.is_proved {
         // What moves in the proved mechanism is no grain, but a gate that nothing touches.
         attempt.verdict = Verdict::GivesWay("the followed motion moves no grain".to_owned());
@@ -87,17 +90,18 @@ fn travel_to_rest(solved: Solved, grain: usize, travelled: f64, settings: &Motio
     if travelled <= within(of_groups) {
         return within(of_groups);
     }
-    let touched = solved.contacts.0.iter().filter(|contact| contact.a as usize == grain);
+    let fragments = fragments(bodies);
+    let moves = |i: usize| fragments.get(i) == Some(&fragments[grain]);
+    let touched = solved.contacts.0.iter().filter(|contact| moves(contact.a as usize));
     let bowls = touched.filter_map(|contact| centre_of_curve(bodies, contact));
     let of_bowls = bowls.map(DVec2::length).fold(0.0, f64::max);
-    within(of_groups.max(of_bowls).max(tether(bodies, grain)))
+    within(of_groups.max(of_bowls).max(tether(bodies, moves)))
 }
 
-/// Maximum distance between a particle of the fragment of `grain` and the first one of it that is held or
-/// bonded to a wall, m; 0 without such a one.
-fn tether(bodies: &BodyTable, grain: usize) -> f64 {
-    let fragments = fragments(bodies);
-    let members = || (0..bodies.particles).filter(|i| fragments[*i] == fragments[grain]);
+/// Maximum distance between two particles of a fragment, the first one that is held or bonded to a wall and
+/// another, m; 0 if nothing holds it.
+fn tether(bodies: &BodyTable, moves: impl Fn(usize) -> bool) -> f64 {
+    let members = || (0..bodies.particles).filter(|i| moves(*i));
     let is_on_wall =
         |bond: &BondRow, i: usize| bond.a as usize == i && bond.b as usize >= bodies.particles;
     let holds =
@@ -111,15 +115,18 @@ fn tether(bodies: &BodyTable, grain: usize) -> f64 {
 /// Part of the step before to which a step shrinks that leads to an equilibrium.
 const SHRINKS: f64 = 0.5;
 
-/// Whether the steps of the bodies that carry load shrink, so that they lead to an equilibrium. Where contacts
-/// slide, the steps follow no geometric series and are not compared.
+/// Whether the steps of the bodies that carry load shrink, so that they lead to an equilibrium. Only elastic
+/// bodies snap. Where contacts slide, the steps follow no geometric series and are not compared.
 fn settles(solved: Solved, motion: &Motion) -> bool {
     let Solved { bodies, program, solution, .. } = solved;
+    let carrying = carrying(solution);
+    let mut loaded = program.interactions.iter().zip(&carrying).filter(|(_, carries)| **carries);
     let step = loaded_step(solved);
     motion.released
         || step <= ending::NO_MOTION * bodies.mean_radius
         || step <= SHRINKS * motion.step
-        || !ending::is_elastic(program, solution, &carrying(solution))
+        || loaded.any(|(c, _)| c.normal_compliance == 0.0)
+        || !ending::is_elastic(program, solution, &carrying)
 }
 
 /// Maximum motion of a body that carries load, m.

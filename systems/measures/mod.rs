@@ -28,7 +28,7 @@ use clastic_components::membrane::MembraneShape;
 use clastic_components::observation::{MeasureArea, Observation};
 use clastic_components::particle::Particle;
 use clastic_components::poured::Poured;
-use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
+use clastic_cone::program::Interaction;
 use clastic_cone::residuals::Carrying;
 
 use crate::moved::Moved;
@@ -73,39 +73,43 @@ impl StateOf for NamedState {
 /// the increment, and compliances and offsets over theta. `bodies` are at its end, other tables
 /// those of the solve.
 pub(crate) fn elastic_energy(solved: Solved, corrections: &Corrections, theta: f64) -> f64 {
-    let Solved { bodies, contacts, program, solution } = solved;
-    let end = Moved::not(bodies);
-    let force = |k: usize, c: &Interaction| {
-        let contact = contacts.0.get(k);
-        let overlap = match contact.filter(|contact| contact.bond.is_none()) {
-            // Along the normal of the start, two bodies that pass each other would seem to overlap.
-            Some(contact) => -end.gap(bodies, contact.a, contact.b),
-            None => {
-                let [turned, _] = contact.map_or([0.0; 2], |contact| corrections.shift(contact));
-                let closing = program.kinematics(c, &solution.displacements)[0];
-                closing - turned - theta * (c.offset - turned)
-            }
-        };
-        overlap / (theta * c.normal_compliance)
-    };
-    stored(program, solution, theta, (theta < 1.0).then_some(force))
+    stored(solved, theta, (theta < 1.0).then(|| force_at_end(solved, corrections, theta)))
 }
 
 /// Elastic energy that a static increment leaves to the next one, J. Normal forces are those of the
 /// gaps: what the opening by associated friction adds ends with the increment.
-pub fn elastic_energy_left(program: &ConeProgram, solution: &ConeSolution) -> f64 {
-    let force = |_: usize, c: &Interaction| {
-        let closing = program.kinematics(c, &solution.displacements)[0];
-        (closing - c.offset) / c.normal_compliance
-    };
-    stored(program, solution, 1.0, Some(force))
+pub fn elastic_energy_left(solved: Solved, corrections: &Corrections) -> f64 {
+    stored(solved, 1.0, Some(force_at_end(solved, corrections, 1.0)))
+}
+
+/// Normal force of an elastic interaction at the end, N, by its place in the program. That of a contact or a
+/// bond follows from the gap there: along the normal of the start, two bodies that pass each other would
+/// seem to overlap, and a bond that turns far would seem to be stretched.
+fn force_at_end(
+    solved: Solved<'_>,
+    corrections: &Corrections,
+    theta: f64,
+) -> impl Fn(usize, &Interaction) -> f64 {
+    let Solved { bodies, contacts, program, solution } = solved;
+    let end = Moved::not(bodies);
+    move |k, c| {
+        let overlap = match contacts.0.get(k) {
+            Some(contact) => {
+                let [turned, lag] = corrections.shift(contact);
+                let start = theta * (c.offset - turned - lag);
+                let born = contact.bond.map_or(0.0, |_| contact.gap - start);
+                born - end.gap(bodies, contact.a, contact.b)
+            }
+            None => program.kinematics(c, &solution.displacements)[0] - theta * c.offset,
+        };
+        overlap / (theta * c.normal_compliance)
+    }
 }
 
 /// Elastic energy at the end of the increment, J. `at_end` gives the normal forces of elastic
 /// interactions from their gaps there; without it they are those of the solution.
 fn stored(
-    program: &ConeProgram,
-    solution: &ConeSolution,
+    Solved { program, solution, .. }: Solved,
     theta: f64,
     at_end: Option<impl Fn(usize, &Interaction) -> f64>,
 ) -> f64 {
@@ -149,9 +153,9 @@ pub(crate) fn read_start(
 #[derive(SystemParam)]
 pub(crate) struct EndTables<'w, 's> {
     stresses: StressTables<'w, 's>,
-    corrections: Res<'w, Corrections>,
     observation: Res<'w, Observation>,
     strains: StrainTables<'w, 's>,
+    corrections: Res<'w, Corrections>,
     path: Option<Res<'w, StrainPath>>,
     cracks: Option<Res<'w, CrackSums>>,
     poured: Option<Res<'w, Poured>>,

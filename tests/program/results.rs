@@ -409,6 +409,21 @@ fn friction_angle_and_strength_are_said_where_they_are_defined() {
     assert!(said.contains(&words) && said.contains("strength (peak stress) "), "{said}");
 }
 
+/// A bent beam had a modulus: its nominal stress over the motion of the press.
+#[test]
+fn platens_that_do_not_span_the_specimen_give_no_modulus() {
+    let results = |scene: &str| {
+        let (done, out) = run(scene, &["--quiet"]);
+        done.code(0);
+        json(out.path(), "run.json")["results"].clone()
+    };
+    let beam = results("three_point_bending");
+    assert!(beam["youngs_modulus_pa"].is_null() && beam["peak_stress_pa"].is_number(), "{beam}");
+    let why = beam["not_defined"]["youngs_modulus_pa"].as_str().unwrap();
+    assert!(why.contains("is not the area of the specimen"), "{why}");
+    assert!(results("slope_block")["youngs_modulus_pa"].is_number());
+}
+
 #[test]
 fn grains_that_pour_in_have_no_porosity() {
     let (done, out) = run("poured_bin", &["--set", "stages[0].increments=60"]);
