@@ -52,7 +52,7 @@ pub fn particles(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle
                     let room = 0.5 * spacing - radius;
                     let jitter =
                         DVec2::new(random.between(-room, room), random.between(-room, room));
-                    (radius, *spacing * square + jitter)
+                    (radius, DVec2::from(*origin) + *spacing * square + jitter)
                 })
                 .unzip();
             let grid = [*columns, count.div_ceil(*columns)].map(|n| spacing * f64::from(n));
@@ -62,11 +62,13 @@ pub fn particles(scene: &Scene, stored: Option<&StoredSpecimen>) -> Vec<Particle
                 grid[0] <= most * cell.size.0 && grid[1] <= most * cell.size.1
             };
             if let Some(cell) = scene.cell.as_ref().filter(holds) {
+                let origin = DVec2::from(*origin);
+                places.iter_mut().for_each(|place| *place -= origin);
                 mix(&at_start(cell), &radii, &mut places, &mut random);
+                places.iter_mut().for_each(|place| *place += origin);
             }
-            let origin = DVec2::from(*origin);
             let disks = places.into_iter().zip(radii);
-            disks.map(|(x, radius)| at_rest(origin + x, radius, material.as_ref())).collect()
+            disks.map(|(place, radius)| at_rest(place, radius, material.as_ref())).collect()
         }
         Specimen::File { material, .. } => rows(stored, material.as_ref()),
         Specimen::State { .. } => rows(stored, None),
