@@ -191,7 +191,7 @@ fn the_command_line_names_capped_increments() {
         let angle = 0.5785 + 0.1053 * f64::from(k);
         format!("(position: ({:?}, {:?}), radius: 0.01),", 0.19 * angle.sin(), -0.19 * angle.cos())
     };
-    let disks: String = (0..5).map(disk).collect();
+    let disks: String = (0..7).map(disk).collect();
     let ends = "start: (-0.197, -0.034), end: (0.197, -0.034), shape: Arc(through: (0.0, -0.2))";
     let text = format!(
         "(version: 1, title: \"bowl\", gravity: (0.0, -9.81), friction_law: Coulomb(),
