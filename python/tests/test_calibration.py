@@ -16,7 +16,8 @@ from clastic._folders import Folders
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 #: No figures, which take longer than these runs.
-QUICK = {"output.plots": False}
+# Long after the peak round-off decides, and curves of similar specimens part.
+QUICK = {"output.plots": False, "stages.load.increments": 60}
 
 
 def uniaxial() -> tuple[str, list[Parameter]]:
