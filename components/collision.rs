@@ -19,15 +19,15 @@ pub struct Collision {
     pub force: f64,
 }
 
-/// Event on the entities of both bodies of a [`Collision`]: a body has met another one.
+/// Event of a [`Collision`]: a body has hit another one. It is triggered on the entities of both.
 #[derive(EntityEvent, Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct BodyHit {
     /// Entity of the body.
     #[event_target]
     pub body: Entity,
-    /// Entity of the body that it has met.
+    /// Entity of the other body.
     pub other: Entity,
-    /// What has happened, in the order of identities.
+    /// The collision, with its bodies in the order of identities.
     pub collision: Collision,
 }

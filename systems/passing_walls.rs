@@ -1,7 +1,6 @@
 //! Halts a run in which two walls that face each other would change sides.
 //!
-//! Both are infinite lines: beyond that no place is inside of both, and elastic contacts would go on with
-//! overlaps that have no meaning.
+//! Beyond that no place is inside of both, and elastic contacts would overlap further and further.
 
 use bevy_ecs::prelude::*;
 

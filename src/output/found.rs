@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 use clastic_components::contact_history::ContactHistory;
 use clastic_components::increment::ClasticProgress;
 
-use super::platens::span;
 use crate::run::key_results::{MechanismRecord, Results};
 use crate::run::stages::Script;
 
@@ -26,8 +25,8 @@ pub(crate) struct Settled {
 pub struct Found {
     /// Porosity at the start of the reference stage.
     pub porosity: Option<f64>,
-    /// What platens [span](super::platens) there, over the area of the specimen.
-    pub spanned: Option<f64>,
+    /// Whether the platens [span](super::platens) more or less than the specimen there.
+    pub overhang: bool,
     /// How a packing settled, the last one if several did.
     pub settled: Option<Settled>,
     /// The first collapse that has a mechanism.
@@ -61,7 +60,7 @@ impl Found {
         } else if pours {
             results.not_defined.insert("porosity".to_owned(), POURED.to_owned());
         }
-        if self.spanned.is_some_and(|spanned| !span(spanned)) {
+        if self.overhang {
             let moduli = [
                 ("youngs_modulus_pa", &mut results.youngs_modulus_pa),
                 (

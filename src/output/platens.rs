@@ -5,26 +5,24 @@
 //! It is none of a disk between jaws, whose stress is the tension in its middle (twice the area), nor of
 //! a beam.
 
+use std::f64::consts::{FRAC_1_SQRT_2, SQRT_2};
+
 use clastic_components::observation::{MeasureLength, Measures, StrainMeasure, StressMeasure};
 
 use super::porosity::total;
 use super::prepared::Prepared;
 
-/// Length of the axial stress times the distance of the platens, over the area of a specimen of this
-/// porosity. `None` unless both are measured on walls and the length is given.
-pub(super) fn spanned(measures: &Measures, start: &Prepared, porosity: f64) -> Option<f64> {
+/// Whether the length of the axial stress times the distance of the platens is nearer to the area of a
+/// specimen of this porosity than to twice or half of it. Platens that do not measure both are not judged.
+pub(super) fn span(measures: &Measures, start: &Prepared, porosity: f64) -> bool {
     let (
         Some(StrainMeasure::Walls(..)),
         Some(StressMeasure::Walls { length: MeasureLength::Fixed(length), .. }),
-    ) = (&measures.axial_strain, &measures.axial_stress)
+        Some([distance, _]),
+    ) = (&measures.axial_strain, &measures.axial_stress, measures.reference)
     else {
-        return None;
+        return true;
     };
     let area = total(&start.rows) / (1.0 - porosity);
-    Some(length * measures.reference?[0] / area)
-}
-
-/// Whether that is the volume of the specimen: nearer to it than to twice or half of it.
-pub(super) fn span(spanned: f64) -> bool {
-    (std::f64::consts::FRAC_1_SQRT_2..std::f64::consts::SQRT_2).contains(&spanned)
+    (FRAC_1_SQRT_2..SQRT_2).contains(&(length * distance / area))
 }

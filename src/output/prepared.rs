@@ -103,8 +103,8 @@ pub fn prepare(
             } else {
                 porosity::porosity(&measures, &walls, &prepared)
             };
-            let spanned = |porosity| platens::spanned(&measures, &prepared, porosity);
-            found.spanned = found.porosity.and_then(spanned);
+            let span = |porosity| platens::span(&measures, &prepared, porosity);
+            found.overhang = !found.porosity.is_none_or(span);
         }
     }
     Ok(())

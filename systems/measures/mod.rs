@@ -248,7 +248,8 @@ impl EndTables<'_, '_> {
                 Some(match amount {
                     GrainAmount::Number => number,
                     GrainAmount::Mass => counted,
-                    GrainAmount::Share => counted / mass,
+                    GrainAmount::Share if mass > 0.0 => counted / mass,
+                    GrainAmount::Share => return None,
                 })
             }
             Quantity::Front { along, share } => front::read(bodies, *along, *share),

@@ -32,7 +32,8 @@ fn bin(pour: &str, then: &str) -> Scene {
             (name: \"left\", start: (-0.1, 1.0), end: (-0.1, 0.0), probe: \"left\"),
             (name: \"right\", start: (0.1, 0.0), end: (0.1, 1.0), probe: \"right\")],
           stages: [Pour(name: \"pour\", {pour}), {then}],
-          measures: [(name: \"kg\", of: Poured(Mass)), (name: \"grains\", of: Poured(Number))],
+          measures: [(name: \"kg\", of: Poured(Mass)), (name: \"grains\", of: Poured(Number)),
+            (name: \"share\", of: Grains(amount: Share))],
           output: (energy: true))"
     ))
 }
@@ -141,6 +142,21 @@ fn a_grain_comes_with_its_velocity() {
     assert_relative(total.exchange, 0.5 * m * (0.1 * 0.1 + 0.5 * 0.5), 1e-12);
     assert_relative(total.kinetic, 0.5 * m * (0.1 * 0.1 + vy * vy), 1e-9);
     assert!(total.error().abs() < 1e-9 * total.throughput(), "{total:?}");
+}
+
+/// The share was NaN before the first grain came.
+#[test]
+fn without_grains_a_share_of_them_has_no_value() {
+    let pour = "increments: 4, through: Box(min: (-0.02, 0.7), max: (0.02, 0.74)), rate: NumberOverStage(1),
+                sizes: Equal(radius: 0.01), seed: 3, material: \"b\"";
+    let mut simulation = Simulation::new(&bin(pour, ""), None);
+    let shares: Vec<_> = (0..4)
+        .map(|_| {
+            next(&mut simulation).unwrap();
+            simulation.world().resource::<Readings>().0[2]
+        })
+        .collect();
+    assert_eq!((shares[0], shares[3]), (None, Some(1.0)));
 }
 
 /// A full bin takes no more, and the stage ends after the time without room.

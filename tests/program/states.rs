@@ -64,30 +64,23 @@ fn another_scene_has_its_own_materials_walls_and_stages() {
     // distance of the others and the thickness.
     let row = &rows(out.path(), "history.csv")[0];
     assert_eq!((row["increment"].as_str(), row["status"].as_str()), ("4", "solved"));
-    let wall = |of: &Tables, name: &str| -> f64 {
+    let wall = |of: &Tables, name: &str| {
         let w = of.rows("walls.name").unwrap();
-        let k = of
-            .values::<String>("walls.name", &[w])
-            .unwrap()
-            .iter()
-            .position(|n| n == name)
-            .unwrap();
+        let names = of.values::<String>("walls.name", &[w]).unwrap();
+        (w, names.iter().position(|n| n == name).unwrap())
+    };
+    let load = |of: &Tables, name: &str| {
+        let (w, k) = wall(of, name);
         let force = of.vectors::<3>("walls.external_force", w).unwrap()[k];
         force[0].hypot(force[1])
     };
-    let place = |of: &Tables, name: &str| -> f64 {
-        let w = of.rows("walls.name").unwrap();
-        let k = of
-            .values::<String>("walls.name", &[w])
-            .unwrap()
-            .iter()
-            .position(|n| n == name)
-            .unwrap();
+    let place = |of: &Tables, name: &str| {
+        let (w, k) = wall(of, name);
         of.vectors::<2>("walls.middle_m", w).unwrap()[k][0]
     };
     let width = place(&kept, "right") - place(&kept, "left");
     let expected = 200.0e3 * width * 2.0;
-    assert!((wall(&held, "top") - expected).abs() < 1e-6 * expected);
+    assert!((load(&held, "top") - expected).abs() < 1e-6 * expected);
     let states = |of: &Tables| {
         of.values::<u8>("bonds.state", &[of.rows("bonds.id").unwrap()]).unwrap().to_vec()
     };

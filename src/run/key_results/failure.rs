@@ -6,6 +6,8 @@ use super::definitions::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOL
 /// Fall of the axial stress below its peak, over the rise to it, after which the peak is passed.
 /// Stresses of a specimen of some hundred grains fluctuate by less before it.
 const PASSED: f64 = 0.01;
+/// Relative difference of a strain to that of the peak, up to which a cycle has returned to it.
+const RETURNS: f64 = 1e-9;
 /// Maximum change of a constant lateral stress, over the change of the axial stress.
 const STAYS: f64 = 0.01;
 /// Minimum number of broken bonds of which a hundredth is one.
@@ -92,9 +94,8 @@ impl KeyResults {
             return Err(LATERAL_CHANGES);
         }
         let rise = peak - self.start.stress;
-        let fell = |point: &Point| {
-            (peak - point.stress) / rise >= PASSED && point.strain / at.strain >= 1.0
-        };
+        let is_beyond = |point: &Point| point.strain / at.strain > 1.0 + RETURNS;
+        let fell = |point: &Point| (peak - point.stress) / rise >= PASSED && is_beyond(point);
         let falls = self.curve[place + 1..].iter().any(fell);
         let collapses = self.collapse.flatten().is_some_and(|last| last.strain / at.strain >= 1.0);
         if falls || collapses { Ok((place, at)) } else { Err(NOT_PASSED) }

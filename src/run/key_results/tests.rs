@@ -349,6 +349,10 @@ fn a_test_that_ends_before_its_peak_has_no_strength() {
     unloaded.extend([row(0.03, -0.045, 350.0, 205), row(0.02, -0.04, 200.0, 205)]);
     let results = tested(&unloaded, 1000);
     assert_eq!((results.strength_pa, results.residual_strength_pa), (None, None));
+    // A cycle returns to the strain of its start, where the stress is lower than before.
+    let mut cycled = whole()[..5].to_vec();
+    cycled.extend([row(0.02, -0.04, 200.0, 205), row(0.04, -0.05, 450.0, 205)]);
+    assert_eq!(tested(&cycled, 1000).strength_pa, None);
 }
 
 #[test]

@@ -22,13 +22,13 @@ mod parallel;
 mod posed;
 mod reduced;
 pub mod response;
-#[cfg(test)]
-mod samples;
 pub mod scaled;
 pub mod settings;
 pub mod sleeping;
 mod spring;
 pub mod sweeps;
+#[cfg(test)]
+mod tests;
 
 use crate::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 

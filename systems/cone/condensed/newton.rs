@@ -233,8 +233,8 @@ impl<'a, S: Elastic<F>, const F: usize> Point<'a, S, F> {
 mod tests {
     use glam::DVec2;
 
-    use super::super::samples::{column, contact, held, loaded, posed};
     use super::super::spring::Spring;
+    use super::super::tests::{column, contact, held, loaded, posed};
     use super::*;
     use crate::program::ConeProgram;
 

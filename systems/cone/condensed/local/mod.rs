@@ -164,7 +164,7 @@ impl<'a> Elimination<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::samples::{column, posed};
+    use super::super::tests::{column, posed};
     use super::*;
 
     /// With local elimination a column comes to the forces of a chain of springs, also from a start

@@ -136,8 +136,8 @@ impl Elimination<'_> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::super::samples::column;
     use super::super::super::settings::LocalSettings;
+    use super::super::super::tests::column;
     use super::*;
 
     /// A column of nine bodies on body 0, which is held, with a seed in its middle.
