@@ -23,7 +23,7 @@ pub struct Results {
     pub poissons_ratio: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
-    /// Whether the increment of the peak is capped: its residual is then up to 1e-4.
+    /// Whether the increment of the peak is capped: its residual is then up to 1e-4, or ten times the accepted one.
     pub peak_is_capped: bool,
     /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
