@@ -323,10 +323,9 @@ fn recipes() {
         (SPECIMEN, "Lattice(columns: 3, rows: 0, radius: 1.0)",
          "10:41: specimen.rows: zero (0); give a number of 1 or more"),
         (SPECIMEN, "Lattice(columns: 3000000, rows: 3000000, radius: 1.0, origin: (0.0, 1.0))",
-         "10:15: specimen: 8999998500000 particles, which take about 90.0 PB of memory; give at most 5000000
-10:15: specimen: the specimen reaches behind wall `top`; move its origin or the wall; a wall has its inside on the left of start to end"),
+         "10:15: specimen: 8999998500000 particles, which take about 90.0 PB of memory; give at most 5000000"),
         (SPECIMEN, "Lattice(columns: 2, rows: 2, radius: 0.5, origin: (0.0, -0.5))",
-         "10:15: specimen: the specimen reaches behind wall `bottom`; move its origin or the wall; a wall has its inside on the left of start to end"),
+         "10:15: specimen: particle 0 is behind wall `bottom` (0.0, -0.5); move it inside; a wall has its inside on the left of start to end"),
         (SPECIMEN, "Packing(count: 0, columns: 0, spacing: 1.0, sizes: Equal(radius: 0.5), seed: 1)",
          "10:30: specimen.count: zero (0); give a number of 1 or more
 10:42: specimen.columns: zero (0); give a number of 1 or more"),
@@ -336,8 +335,7 @@ fn recipes() {
          "10:82: specimen.sizes.radius: minimum above maximum (0.6 > 0.3); give (minimum, maximum)
 10:101: specimen.seed: expected a whole number from 0, found `-1`"),
         (SPECIMEN, "Packing(count: 4, columns: 2, spacing: 0.5, sizes: LogNormal(radius: 0.5, deviation: -1.0, limits: (0.1, 0.2)), seed: 1, origin: (0.0, 1.7))",
-         "10:15: specimen: the specimen reaches behind wall `top`; move its origin or the wall; a wall has its inside on the left of start to end
-10:84: specimen.sizes.radius: the median is outside of the limits (0.5); give a median between the limits
+         "10:84: specimen.sizes.radius: the median is outside of the limits (0.5); give a median between the limits
 10:100: specimen.sizes.deviation: negative (-1.0); give a standard deviation of ln(radius) of 0 or more"),
         (SPECIMEN, "Particles([(position: (0.0, 1.0), radius: 1.0),])]",
          "10:64: `]` where the `(` of line 1 wants its `)`; check the brackets"),
