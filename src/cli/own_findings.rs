@@ -16,8 +16,7 @@ pub fn own_findings(scene: &Scene, app: &App) -> Vec<Finding> {
         let walls = stage.load().into_iter().flat_map(|load| &load.walls);
         let custom = walls.filter(|(_, control)| **control == WallControl::Custom);
         findings.extend(custom.map(|(name, _)| {
-            let message =
-                "`Custom` leaves the wall to a system, and no plugin of this program has one";
+            let message = "`Custom` leaves the wall to an embedding program, and no plugin of this one drives it";
             let help =
                 format!("give it `Fixed`, `Displacement`, `Force` or `Stress`, or {OWN_PROGRAM}");
             Finding::new(join(&format!("stages[{i}].walls"), name), message, help)

@@ -51,6 +51,8 @@ pub(super) fn mistakes(
                 friction.unwrap_or_default()
             ));
         }
+        // The glue of a wall may be as strong as it likes.
+        let bond = bond.filter(|_| kind != "wall");
         let Some(Bond { cohesion, tensile_strength, normal_stiffness, .. }) = bond else {
             continue;
         };
