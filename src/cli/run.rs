@@ -1,18 +1,21 @@
 //! `clastic run`: runs a scene to its end, or until it is interrupted.
 
+use std::fs;
+
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::components::increment::ClasticProgress;
 use crate::components::observation::Observation;
-use crate::output::directory::default_directory;
+use crate::output::directory::{self, default_directory};
 use crate::output::{self, OutputError, OutputFailure, OutputPlugin, RunDirectory, RunOptions};
 use crate::run::sanity;
 use crate::run::stages::Script;
 use crate::run::{Outcome, Simulation, Step};
 use crate::scene::format::Stage;
-use crate::scene::load_with;
-use crate::text::shown::label;
+use crate::scene::load::placed;
+use crate::scene::{Finding, load_with};
+use crate::text::suggest;
 
 use super::RunArgs;
 use super::exit::{Exit, Failure, complain, say};
@@ -30,14 +33,10 @@ pub fn run(args: &RunArgs, mut app: App) -> Result<Exit, Failure> {
     let dumps = args.dump_programs.iter();
     let dump_in_stages: Vec<_> =
         dumps.clone().filter_map(|(stage, n)| Some((stage.clone()?, *n))).collect();
-    let stages = &loaded.scene.stages;
-    let is_known = |name: &str| stages.iter().any(|stage| stage.name() == name);
-    if let Some((stage, _)) = dump_in_stages.iter().find(|(stage, _)| !is_known(stage)) {
-        let names: Vec<_> = stages.iter().map(|stage| label(stage.name())).collect();
-        let message = format!(
-            "--dump-program {stage}:N: the scene has no such stage; its stages are {}",
-            names.join(", ")
-        );
+    let stages: Vec<_> = loaded.scene.stages.iter().map(Stage::name).collect();
+    if let Some((stage, _)) = dump_in_stages.iter().find(|(name, _)| !stages.contains(&&**name)) {
+        let help = suggest::help(stage, &stages, "stages");
+        let message = format!("--dump-program {stage}:N: the scene has no such stage; {help}");
         return Err(Failure::new(Exit::Usage, message));
     }
     for warning in sanity::before(&loaded.scene, loaded.specimen.as_ref()).warnings {
@@ -82,7 +81,7 @@ pub fn to_the_end(mut simulation: Simulation, quiet: bool) -> Result<Exit, Failu
     let finished = output::finish(world, outcome.as_ref());
     let (world, run) = (&*world, world.resource::<RunDirectory>());
     let results = finished.map_err(|error| stopped(error, run))?;
-    let directory = run.directory();
+    let folder = run.directory();
     let increments = world.resource::<Observation>().increment;
     for missed in run.options.dump_programs.iter().filter(|n| **n > increments) {
         complain(format_args!(
@@ -98,7 +97,7 @@ pub fn to_the_end(mut simulation: Simulation, quiet: bool) -> Result<Exit, Failu
             ));
         }
     }
-    let mut text = summary(outcome.as_ref(), increments, script, &run.record, directory);
+    let mut text = summary(outcome.as_ref(), increments, script, &run.record, folder);
     let packs = script.scene.stages.iter().all(|s| matches!(s, Stage::Compact(_)));
     if let Some(porosity) = results.porosity.filter(|_| packs) {
         text += &format!("\nporosity of the packing {porosity:.4}");
@@ -111,17 +110,25 @@ pub fn to_the_end(mut simulation: Simulation, quiet: bool) -> Result<Exit, Failu
     match outcome {
         None => Ok(Exit::Interrupted),
         Some(Outcome::Undecided { message, .. }) => Err(Failure::new(Exit::Solver, message)),
-        Some(Outcome::Halted(message)) => Err(Failure::new(Exit::Files, message)),
+        Some(Outcome::Halted(message)) => Err(in_stage(world, run, message, "")),
         Some(Outcome::Refused { message, .. }) => {
-            let message = format!(
-                "{message}; once the stage is mended, `clastic resume {} --set PATH=VALUE` goes on (another wall \
-                 or material needs another run)",
-                directory.display()
+            let help = format!(
+                "once the stage is mended, `clastic resume {} --set PATH=VALUE` goes on (another wall or material \
+                 needs another run)",
+                folder.display()
             );
-            Err(Failure::new(Exit::Scene, message))
+            Err(in_stage(world, run, message, &help))
         }
         Some(Outcome::Completed | Outcome::Collapsed(_)) => Ok(Exit::Ok),
     }
+}
+
+/// A mistake of the stage that the run has come to, with its place in the scene as run.
+fn in_stage(world: &World, run: &RunDirectory, message: String, help: &str) -> Failure {
+    let path = format!("stages[{}]", world.resource::<ClasticProgress>().stage);
+    let file = run.path(directory::SCENE);
+    let text = fs::read_to_string(&file).unwrap_or_default();
+    Failure::new(Exit::Scene, placed(&file, &text, Finding::new(path, message, help)))
 }
 
 /// Message for output that fails during a run.

@@ -179,8 +179,7 @@ fn not_defined(script: &Script, outcome: Option<&Outcome>, results: &Results) ->
     if let Some(reason) = reason("peak_stress_pa") {
         let stage = label(scene.stages.get(script.reference_stage()).map_or("", Stage::name));
         return vec![format!(
-            "no modulus and no peak stress: {reason} (the reference stage is {stage}; \
-             `reference_stage` sets it)"
+            "no modulus and no peak stress: {reason} (the reference stage is {stage}; `reference_stage` sets it)"
         )];
     }
     let mut lines = Vec::new();
@@ -301,9 +300,8 @@ mod tests {
     fn a_summary_says_only_what_is_defined() {
         assert_eq!(
             said([(28, 0), (7, 0)], false, &Results::default()),
-            "completed in 35 increments\n\
-             stage shear: stopped by Above(\"axial_strain\", 0.02) after 7 increments\n\
-             results in runs/tension"
+            "completed in 35 increments\nstage shear: stopped by Above(\"axial_strain\", 0.02) after 7 \
+             increments\nresults in runs/tension"
         );
     }
 
@@ -407,8 +405,9 @@ mod tests {
         assert_eq!(stage(&missed), None);
         assert_eq!(
             said(missed),
-            ["WARNING: stage confine ended with the last of its increments and did not reach \
-              Until(\"q\", 300000.0)"]
+            [
+                "WARNING: stage confine ended with the last of its increments and did not reach Until(\"q\", 300000.0)"
+            ]
         );
         let passed = said(end(EndedBy::Stop, Some(4.0e5)));
         assert!(passed.len() == 1 && passed[0].contains("beyond"), "{passed:?}");

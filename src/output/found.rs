@@ -61,17 +61,16 @@ impl Found {
             results.not_defined.insert("porosity".to_owned(), POURED.to_owned());
         }
         if self.overhang {
+            let r = &mut results;
             let moduli = [
-                ("youngs_modulus_pa", &mut results.youngs_modulus_pa),
-                (
-                    "youngs_modulus_secant_half_peak_pa",
-                    &mut results.youngs_modulus_secant_half_peak_pa,
-                ),
-                ("poissons_ratio", &mut results.poissons_ratio),
+                ("youngs_modulus_pa", &mut r.youngs_modulus_pa),
+                ("youngs_modulus_secant_half_peak_pa", &mut r.youngs_modulus_secant_half_peak_pa),
+                ("poissons_ratio", &mut r.poissons_ratio),
+                ("friction_angle_rad", &mut r.friction_angle_rad),
             ];
-            for (name, modulus) in moduli {
-                if modulus.take().is_some() {
-                    results.not_defined.insert(name.to_owned(), NOT_SPANNED.to_owned());
+            for (name, result) in moduli {
+                if result.take().is_some() {
+                    r.not_defined.insert(name.to_owned(), NOT_SPANNED.to_owned());
                 }
             }
         }
@@ -85,9 +84,9 @@ impl Found {
     }
 }
 
-/// Why a test whose platens do not span the specimen has no modulus.
-const NOT_SPANNED: &str = "the length of the axial stress times the distance of its walls is not the area of \
-                           the specimen, so that stress over strain is no modulus";
+/// Why a test whose platens do not span the specimen has neither modulus nor friction angle.
+const NOT_SPANNED: &str = "the area of an average stress, or the length of a stress of walls times their distance, \
+                           is not the area of the specimen, so that the stress is not that of the specimen";
 
 /// Why a scene in which grains pour in has no porosity.
 const POURED: &str = "grains pour in, and the box around grains that fall is no specimen; measure \

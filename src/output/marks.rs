@@ -7,8 +7,8 @@ use crate::run::key_results::PEAK_ERROR;
 /// Share of capped increments above which a run is marked.
 const CAPPED: f64 = 0.01;
 
-/// Marks of a run by its `run.json`: how it ended if not as planned, capped increments above 1 %,
-/// and an estimated error of the peak above 2 %. Empty for a run that can be trusted.
+/// Marks of a run by its `run.json`: how it ended if not as planned, capped increments above 1 %, stages that ended
+/// before their stops, and an estimated error of the peak above 2 %. Empty for a run that can be trusted.
 pub fn marks(record: &Value) -> Vec<String> {
     let mut marks = Vec::new();
     match record["outcome"]["status"].as_str() {
@@ -21,6 +21,11 @@ pub fn marks(record: &Value) -> Vec<String> {
     if capped > CAPPED {
         marks.push(format!("{:.0} % of increments capped", 100.0 * capped));
     }
+    let stages = record["stages"].as_array().into_iter().flatten();
+    let is_cut = |end: &&Value| end["ended_by"] == "all_increments" && !end["stop"].is_null();
+    marks.extend(stages.filter(is_cut).map(|end| {
+        format!("stage {} ended before its stop", end["stage"].as_str().unwrap_or_default())
+    }));
     let error = number(&record["results"]["peak_error_estimate"]);
     if error > PEAK_ERROR {
         marks.push(format!("peak uncertain by about {:.0} %", 100.0 * error));

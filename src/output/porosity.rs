@@ -69,7 +69,7 @@ pub(super) fn total(disks: &[StoredParticle]) -> f64 {
 }
 
 /// Extent of the disks along a direction, m.
-fn extent(disks: &[StoredParticle], axis: DVec2) -> Option<f64> {
+pub(super) fn extent(disks: &[StoredParticle], axis: DVec2) -> Option<f64> {
     let disks = disks.iter().map(|disk| (place(disk).dot(axis), disk.r));
     ends(disks).map(|(low, high)| high - low)
 }

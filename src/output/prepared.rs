@@ -103,7 +103,7 @@ pub fn prepare(
             } else {
                 porosity::porosity(&measures, &walls, &prepared)
             };
-            let span = |porosity| platens::span(&measures, &prepared, porosity);
+            let span = |porosity| platens::span(&measures, &walls, &prepared, porosity);
             found.overhang = !found.porosity.is_none_or(span);
         }
     }

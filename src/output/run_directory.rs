@@ -106,7 +106,7 @@ impl RunDirectory {
         &self.options.directory
     }
 
-    pub(super) fn path(&self, name: &str) -> PathBuf {
+    pub(crate) fn path(&self, name: &str) -> PathBuf {
         self.options.directory.join(name)
     }
 

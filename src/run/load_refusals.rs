@@ -1,11 +1,11 @@
 //! Why a loading stage cannot begin: selections without particles, walls where particles are or
-//! behind which they lie, stresses on lengths that end.
+//! behind which they lie.
 
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::{BodyId, BodyPosition, LoadControl};
 use clastic_components::particle::Particle;
-use clastic_components::wall::{LoadedLength, WallControl, WallName};
+use glam::DVec2;
 
 use super::select::selected;
 use super::touching::placed;
@@ -14,6 +14,7 @@ use super::walls::WallCatalogue;
 use super::{membranes, rigid};
 use crate::scene::format as scene;
 use crate::scene::validate::is_behind;
+use crate::text::shown::label;
 
 /// Why a loading stage cannot begin; `None` if it can.
 pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
@@ -22,7 +23,6 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .or_else(|| cuts_through(world, stage))
         .or_else(|| leaves_behind(world, stage))
         .or_else(|| meets_nothing(world, stage))
-        .or_else(|| loses_its_length(world, stage))
         .or_else(|| rigid::refusal(world, stage))
         .or_else(|| membranes::refusal(world, stage))
 }
@@ -31,8 +31,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
 /// entry the results would be those of another scene.
 fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let k = stage.particles.iter().position(|c| selected(world, &c.select).is_empty())?;
-    let (what, remedy) = why_empty(&stage.particles[k].select);
-    Some(format!("particles[{k}].select selects no particle: {what}; {remedy}"))
+    Some(format!("particles[{k}].select {}", selects_none(&stage.particles[k].select)))
 }
 
 /// An entry of `particles` that releases loads of particles which have none.
@@ -48,30 +47,12 @@ fn releases_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     ))
 }
 
-/// Why a selection has no particle, and what to do.
-pub(super) fn why_empty(select: &scene::Select) -> (String, &'static str) {
-    use scene::Select;
-    match select {
-        Select::All => ("the specimen has no particles".to_owned(), "leave the entry out"),
-        Select::Index(list) => {
-            (format!("no particle has an index of {list:?}"), "name particles that exist")
-        }
-        Select::Group(name) => (
-            format!("no particle is of group `{name}`"),
-            "name a group of which particles are left",
-        ),
-        Select::Probe(name) => {
-            (format!("no particle is the probe `{name}`"), "name a probe that exists")
-        }
-        Select::Box { min, max } => (
-            format!("no particle has its centre in the box from {min:?} to {max:?}"),
-            "give a box that holds the particles where they are by then",
-        ),
-        _ => (
-            "no particle is in it".to_owned(),
-            "give one that has particles where they are by then",
-        ),
-    }
+/// That a selection has no particle, and what to do.
+pub(super) fn selects_none(select: &scene::Select) -> String {
+    let select = label(&format!("{select:?}"));
+    format!(
+        "selects no particle: none is in {select}; give one that has some where they are by then"
+    )
 }
 
 /// The walls that a stage adds: those that come at the outermost particles, or the others.
@@ -81,20 +62,30 @@ fn added(world: &World, stage: &scene::Load, touching: bool) -> Vec<scene::Wall>
     world.resource::<WallCatalogue>().walls.iter().filter(comes).cloned().collect()
 }
 
+/// The first wall that a stage adds where it should not, by `is_wrong` of it and a disk, and the particles there.
+fn added_on(
+    world: &mut World,
+    stage: &scene::Load,
+    is_wrong: impl Fn(&scene::Wall, DVec2, f64) -> bool,
+) -> Option<(String, Vec<BodyId>)> {
+    let walls = added(world, stage, false);
+    let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
+    walls.into_iter().find_map(|wall| {
+        let all = particles.iter(world).sort_unstable::<&BodyId>();
+        let there = all.filter(|(_, of, x)| is_wrong(&wall, x.0, of.radius));
+        let there: Vec<_> = there.map(|(id, ..)| *id).collect();
+        Some((wall.name, there)).filter(|(_, there)| !there.is_empty())
+    })
+}
+
 /// A wall that comes where a particle is. The stage is refused, because the side of the particle from a
 /// thin wall is not clear, and a line would press on it with half of its stiffness times its radius.
 fn cuts_through(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let walls = added(world, stage, false);
-    let mut particles = world.query::<(&BodyId, &Particle, &BodyPosition)>();
-    let (wall, particle) = walls.iter().find_map(|wall| {
-        let all = particles.iter(world);
-        let cut = all.filter(|(_, particle, x)| is_cut(wall, x.0, particle.radius));
-        Some((wall, cut.map(|(id, ..)| id.0).min()?))
-    })?;
+    let (wall, there) = added_on(world, stage, is_cut)?;
     Some(format!(
-        "wall `{}` of add_walls would cut through particle {particle}, whose \
-         centre is within {CUT:?} radii of it; add it where there is room",
-        wall.name
+        "wall `{wall}` of add_walls would cut through particle {}, whose centre is within {CUT:?} radii of it; \
+         add it where there is room",
+        there[0].0
     ))
 }
 
@@ -111,38 +102,12 @@ fn meets_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
 /// A wall that comes with particles behind it, as one does that is drawn from its end to its start.
 /// The stage is refused, because it would push them through the wall in one increment.
 fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let walls = added(world, stage, false);
-    let mut particles = world.query::<(&Particle, &BodyPosition)>();
-    let (wall, behind) = walls.iter().find_map(|wall| {
-        let all = particles.iter(world);
-        let behind = all.filter(|(particle, x)| is_behind(wall, x.0.into(), particle.radius));
-        Some((wall, behind.count())).filter(|(_, behind)| *behind > 0)
-    })?;
-    let number = if behind == 1 { "a particle".to_owned() } else { format!("{behind} particles") };
+    let behind = |wall: &scene::Wall, x: DVec2, radius| is_behind(wall, x.into(), radius);
+    let (wall, there) = added_on(world, stage, behind)?;
+    let number =
+        if let [_] = there[..] { "a particle" } else { &format!("{} particles", there.len()) };
     Some(format!(
-        "wall `{}` of add_walls comes with {number} behind it; a wall has its \
-         inside on the left of start to end; exchange them, or take such particles away before (`Remove`)",
-        wall.name
+        "wall `{wall}` of add_walls comes with {number} behind it; a wall has its inside on the left of start to \
+         end; exchange them, or take such particles away before (`Remove`)"
     ))
-}
-
-/// A wall keeps a stress on the distance of two walls of which the stage removes one. The stage is
-/// refused, because the wall would silently lose its load.
-fn loses_its_length(world: &mut World, stage: &scene::Load) -> Option<String> {
-    let mut walls = world.query::<(&BodyId, &WallName, &WallControl)>();
-    walls.iter(world).sort_unstable::<&BodyId>().find_map(|(_, WallName(wall), control)| {
-        let WallControl::Stress { length: LoadedLength::Between(a, b), .. } = *control else {
-            return None;
-        };
-        if stage.walls.contains_key(wall) || stage.remove_walls.contains(wall) {
-            return None;
-        }
-        let (a, b) = (&world.get::<WallName>(a)?.0, &world.get::<WallName>(b)?.0);
-        let gone = [a, b].into_iter().find(|name| stage.remove_walls.contains(name))?;
-        Some(format!(
-            "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`, and \
-             remove_walls takes `{gone}` away; give it another control in this stage: \
-             `walls: {{ \"{wall}\": Fixed }}`"
-        ))
-    })
 }

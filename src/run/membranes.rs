@@ -130,9 +130,8 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         let Some(membrane) = made(world, name, control, 0.0) else { continue };
         if find_shape(&membrane, 0.0, world.resource::<BodyTable>()).chains.is_empty() {
             return Some(format!(
-                "membrane `{name}` finds no chain of grains from one of its walls to the other; \
-                 bring the walls closer than two radii of the ball to the grains, or give a larger \
-                 `ball`"
+                "membrane `{name}` finds no chain of grains from one of its walls to the other; bring the walls closer \
+                 than two radii of the ball to the grains, or give a larger `ball`"
             ));
         }
     }

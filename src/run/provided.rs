@@ -7,7 +7,8 @@ use bevy_ecs::prelude::*;
 
 use clastic_components::measure::{NamedMeasures, Quantity, Readings};
 
-use crate::scene::format as scene;
+use crate::scene::{Finding, format as scene};
+use crate::text::suggest;
 
 /// Reads the measure of a plugin.
 type Read = Box<dyn Fn(&World) -> Option<f64> + Send + Sync>;
@@ -30,33 +31,42 @@ impl Provided {
         self.measures.keys().copied()
     }
 
-    /// Why a stage of a scene cannot begin; `None` if plugins provide all that it needs.
-    pub fn refusal(&self, scene: &scene::Scene, stage: &scene::Stage) -> Option<String> {
-        if let scene::Stage::Custom(scene::CustomStage { kind, .. }) = stage
-            && !self.stages.contains(kind.as_str())
-        {
-            let known = listed(self.stages.iter().copied());
-            return Some(format!(
-                "no plugin of this program provides the kind `{kind}`; it provides {known}"
-            ));
-        }
-        let (name, kind) = scene.measures.iter().find_map(|measure| match &measure.of {
-            scene::Quantity::Custom(kind) if !self.measures.contains_key(kind.as_str()) => {
-                Some((&measure.name, kind))
+    /// What a scene leaves to plugins and none provides: kinds of stages, and measures.
+    pub fn missing(&self, scene: &scene::Scene) -> Vec<Finding> {
+        let (stages, measures): (Vec<_>, Vec<_>) =
+            (self.stages.iter().copied().collect(), self.measures().collect());
+        let kinds = scene.stages.iter().enumerate().filter_map(|(i, stage)| match stage {
+            scene::Stage::Custom(stage) => {
+                missing(format!("stages[{i}].kind"), &stage.kind, "kind of stage", &stages)
             }
             _ => None,
-        })?;
-        let known = listed(self.measures());
-        Some(format!(
-            "measure `{name}` cannot be read: no plugin of this program provides the measure `{kind}`; \
-             it provides {known}"
-        ))
+        });
+        let of_measures =
+            scene.measures.iter().enumerate().filter_map(|(i, measure)| match &measure.of {
+                scene::Quantity::Custom(kind) => {
+                    missing(format!("measures[{i}].of[0]"), kind, "measure", &measures)
+                }
+                _ => None,
+            });
+        kinds.chain(of_measures).collect()
     }
 }
 
-fn listed(names: impl Iterator<Item = &'static str>) -> String {
-    let names: Vec<_> = names.collect();
-    if names.is_empty() { "none".to_owned() } else { names.join(", ") }
+/// The remedy where a program has no plugin at all.
+pub(crate) const OWN_PROGRAM: &str =
+    "run the scene in a program of your own (ARCHITECTURE.md, Extending)";
+
+/// Finds a name that is not among those that plugins have `provided`.
+fn missing(path: String, name: &str, what: &str, provided: &[&str]) -> Option<Finding> {
+    if name.trim().is_empty() || provided.contains(&name) {
+        return None;
+    }
+    let message = format!("`{name}` is a {what} that no plugin of this program provides");
+    let help = match provided {
+        [] => format!("leave it out, or {OWN_PROGRAM}"),
+        _ => suggest::help(name, provided, "those of its plugins"),
+    };
+    Some(Finding::new(path, message, help))
 }
 
 /// Registers what a plugin provides to scenes.

@@ -11,7 +11,7 @@ use clastic_components::rigid_group::RigidGroup;
 
 use clastic_systems::tractions::{keep_tractions, loosened_wall, membrane_on};
 
-use super::load_refusals::why_empty;
+use super::load_refusals::selects_none;
 use super::select::{needs_forces, selected, selected_at};
 use crate::scene::format::Remove;
 
@@ -47,8 +47,7 @@ pub fn refusal(world: &mut World, stage: &Remove) -> Option<String> {
         ));
     }
     if ids.is_empty() && !stage.open_cell && !needs_forces(world, &stage.select) {
-        let (what, remedy) = why_empty(&stage.select);
-        return Some(format!("select selects no particle: {what}; {remedy}"));
+        return Some(format!("select {}", selects_none(&stage.select)));
     }
     if ids.len() == world.query::<&Particle>().iter(world).len() {
         let what = "select selects every particle, so that nothing is left; select fewer";

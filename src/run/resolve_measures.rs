@@ -16,7 +16,7 @@ use clastic_components::observation::{
 use clastic_components::particle::Particle;
 use glam::DVec2;
 
-use super::load_refusals::why_empty;
+use super::load_refusals::selects_none;
 use super::membranes::find_membrane;
 use super::script::Script;
 use super::select::selected;
@@ -39,11 +39,8 @@ pub fn resolve_measures(world: &mut World) {
     let list: Vec<_> = scene.further_measures().cloned().collect();
     let [axial_strain, lateral_strain] = strains.map(|of| strain(world, &of?));
     let [axial_stress, lateral_stress] = stresses.map(|of| stress(world, &of?));
-    let named = list.into_iter().map(|scene::Measure { name, of }| {
-        let quantity = quantity(world, &name, &of);
-        (name, quantity)
-    });
-    let list = named.collect();
+    let resolved = |of: scene::Measure| (of.name.clone(), quantity(world, &of.name, &of.of));
+    let list = list.into_iter().map(resolved).collect();
     world.resource_mut::<NamedMeasures>().list = list;
     keep_what_is_needed(world);
     let mut measures = world.resource_mut::<Measures>();
@@ -55,12 +52,10 @@ pub fn resolve_measures(world: &mut World) {
 fn keep_what_is_needed(world: &mut World) {
     for scene::Measure { of, .. } in world.resource::<Script>().scene.measures.clone() {
         match of {
-            Quantity::Strain(StrainMeasure::Region { .. }) | Quantity::Ring { .. } => {
-                world.init_resource::<StrainReference>();
-            }
-            Quantity::Grains { moved, .. } if moved > 0.0 => {
-                world.init_resource::<StrainReference>();
-            }
+            Quantity::Grains { moved, .. } if moved <= 0.0 => {}
+            Quantity::Strain(StrainMeasure::Region { .. })
+            | Quantity::Ring { .. }
+            | Quantity::Grains { .. } => _ = world.init_resource::<StrainReference>(),
             Quantity::DilationAngle { .. } => _ = world.init_resource::<StrainPath>(),
             Quantity::Cracks { .. } => _ = world.init_resource::<CrackSums>(),
             _ => {}
@@ -188,11 +183,10 @@ pub(super) fn of_nothing(world: &mut World) -> Option<String> {
     let measures = world.resource::<Script>().scene.measures.clone();
     measures.iter().enumerate().find_map(|(k, scene::Measure { name, of })| match of {
         Quantity::GroupForce { select, live: false, .. } => {
-            let (what, remedy) = why_empty(select);
             members(world, select).is_empty().then(|| {
+                let none = selects_none(select);
                 format!(
-                    "measures[{k}].of.select, of `{name}`, selects no particle: {what}; {remedy}, or \
-                     select anew in every increment (`live: true`)"
+                    "measures[{k}].of.select, of `{name}`, {none}, or select live (`live: true`)"
                 )
             })
         }

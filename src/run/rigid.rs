@@ -161,8 +161,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         let walls = walls_of(world, std::slice::from_ref(name));
         if let Some((_, group)) = taken.iter().find(|(id, _)| walls.iter().any(|w| w.0 == *id)) {
             return Some(format!(
-                "wall `{name}` is a member of the rigid group `{group}`; control it by `rigid`, or \
-                 release `{group}`"
+                "wall `{name}` is a member of the rigid group `{group}`; control it by `rigid`, or release `{group}`"
             ));
         }
     }
@@ -174,8 +173,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         });
         if let Some((wall, other)) = of_another {
             return Some(format!(
-                "rigid.{name} has wall `{wall}` of the rigid group `{other}`; release `{other}` in a \
-                 stage before"
+                "rigid.{name} has wall `{wall}` of the rigid group `{other}`; release `{other}` in a stage before"
             ));
         }
         let chosen = chosen(world, control).into_iter();
@@ -186,9 +184,8 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         let of_another = taken.iter().find(|(id, _)| ids.binary_search(id).is_ok());
         if let Some((BodyId(id), other)) = of_another {
             return Some(format!(
-                "rigid.{name} selects particle {id}, which is a member of the rigid group \
-                 `{other}`; a particle belongs to one group: select others, or release `{other}` \
-                 in a stage before"
+                "rigid.{name} selects particle {id}, which is a member of the rigid group `{other}`; a particle \
+                 belongs to one group: select others, or release `{other}` in a stage before"
             ));
         }
         ids.extend(walls.into_iter().map(|(id, _)| id));
@@ -217,7 +214,6 @@ fn moving_pivot(world: &mut World, stage: &scene::Load) -> Option<String> {
     let made = made.map(|(name, control)| (name, is_held(control)));
     let (name, _) = kept.chain(made).find(|(_, is_held)| !is_held)?;
     Some(format!(
-        "the pivot of the rigid group `{name}` moves in a dynamic stage; hold its x and y, or make \
-         it without `about`"
+        "the pivot of the rigid group `{name}` moves in a dynamic stage; hold its x and y, or make it without `about`"
     ))
 }

@@ -122,6 +122,13 @@ impl StageEnd {
                 "stage {stage} ended with the last of its increments and did not reach {stop:?}"
             ));
         }
+        if let (1, Some(EndedBy::Stop), Some(stop @ (Stop::Above(..) | Stop::Below(..)))) =
+            (rows, self.ended_by, &self.stop)
+        {
+            all.push(format!(
+                "stage {stage} ended with its first increment: {stop:?} held by then"
+            ));
+        }
         if let (Some(came), Some(EndedBy::AllIncrements)) = (self.came, self.ended_by) {
             all.push(format!(
                 "stage {stage} ended while grains waited for room: {:.1} % of what was due had come",

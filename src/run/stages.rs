@@ -13,6 +13,7 @@ use super::{
     cement, compact, key_results, load, load_refusals, membranes, pour, remove, save, until,
 };
 use crate::scene::format::Stage;
+use crate::text::diagnostic::within;
 
 /// The stage that begins, runs or ends.
 #[derive(Resource, Clone, Debug)]
@@ -38,7 +39,10 @@ pub(crate) fn change_stages(world: &mut World) {
         // A stage is refused before it changes anything, so that a resumed run with a corrected
         // stage begins it anew. It may lack a plugin in its middle too, in a resumed run.
         let begun = script.begun;
-        let lacks = world.resource::<Provided>().refusal(&script.scene, &stage);
+        let own = format!("stages[{}]", progress.stage);
+        let mut lacks = world.resource::<Provided>().missing(&script.scene).into_iter();
+        let lacks = lacks.find(|f| within(&f.path, "measures") || within(&f.path, &own));
+        let lacks = lacks.map(|finding| finding.to_string());
         let is_reference = progress.stage == script.reference_stage();
         let why = lacks.or_else(|| if begun { None } else { refusal(world, &stage) });
         let why = why.or_else(|| if begun || !is_reference { None } else { of_nothing(world) });

@@ -210,6 +210,13 @@ fn from_text(
     }
 }
 
+/// A finding about a scene that was read, with its place in the text, whose file is `name`.
+pub(crate) fn placed(name: &Path, text: &str, finding: Finding) -> SceneErrors {
+    let root = scan(text).0;
+    let found = root.map(|root| place(&root, Written::of(&root).place(vec![finding]), &[]));
+    SceneErrors::new(name, &EditedText::of(text), found.unwrap_or_default())
+}
+
 /// The first setting whose path names a key that does not exist and that the setting itself
 /// inserted.
 fn addressed_nothing(text: &EditedText, placed: &[Placed]) -> Option<SetError> {

@@ -110,7 +110,7 @@ pub(crate) fn poured(scene: &Scene, stage: &Stage) -> f64 {
 }
 
 /// Radius of a disk of mean area of a distribution, m.
-fn mean_of(sizes: &Sizes) -> f64 {
+pub(crate) fn mean_of(sizes: &Sizes) -> f64 {
     match sizes {
         Sizes::Equal { radius } | Sizes::LogNormal { radius, .. } => *radius,
         Sizes::Uniform { radius: (low, high) } => {

@@ -13,16 +13,9 @@ pub fn one_round(scene: &Scene) -> Option<String> {
     if !cemented && scene.bonds.is_empty() {
         return None;
     }
-    let contacts = || scene.materials.values().map(|material| material.contact).collect();
-    let materials = scene.materials.iter();
-    let materials = materials.map(|(name, of)| ("material", name, of.bond, vec![of.contact]));
-    let walls = scene.walls.iter();
-    let walls = walls.map(|wall| ("wall", &wall.name, wall.bond, vec![wall.contact]));
-    let stages = scene.stages.iter().filter_map(|stage| match stage {
-        Stage::Cement(cement) => Some(("stage", &cement.name, cement.bond, contacts())),
-        _ => None,
-    });
-    let bonds = materials.chain(walls).chain(stages).find_map(|(kind, name, bond, contacts)| {
+    let bonds = scene.laws().find_map(|(kind, name, contact, bond)| {
+        let of_materials = || scene.materials.values().map(|material| material.contact).collect();
+        let contacts = contact.map_or_else(of_materials, |contact| vec![contact]);
         let reason = obstacle(&bond?, &contacts, scene.rupture.rolling)?;
         Some(format!("bonds of {kind} {} {reason}", label(name)))
     });

@@ -61,8 +61,7 @@ pub fn plan(study: &Study, file: &Path, load: Load<'_>) -> Result<Plan, StudyErr
             let is_constant = |field: &&String| field.contains('=') && !field.contains("{}");
             if let Some(field) = fields.iter().find(is_constant) {
                 return Err(wrong(format!(
-                    "`{field}` has no place for the value; write `{{}}` there, or give it to all \
-                     runs in `set`"
+                    "`{field}` has no place for the value; write `{{}}` there, or give it to all runs in `set`"
                 )));
             }
         }
@@ -102,10 +101,10 @@ impl Plan {
                 None => run.sets.push(format!("{name}={value}")),
             }
         }
-        let of_names = run.sets[study.set.len()..].iter().filter_map(|set| set.split_once('='));
-        let mut set = BTreeSet::new();
-        if let Some((path, _)) = of_names.into_iter().find(|(path, _)| !set.insert(path.trim())) {
-            return Err(format!(": two of its names set `{path}`; leave one of them out"));
+        let mut paths = BTreeSet::new();
+        let all = run.sets.iter().filter_map(|set| set.split_once('='));
+        if let Some((path, _)) = all.into_iter().find(|(path, _)| !paths.insert(path.trim())) {
+            return Err(format!(": `{path}` is set twice, by a name or by `set`; leave one out"));
         }
         let mut sets = run.sets.clone();
         if let Some(prepare) = &study.prepare {

@@ -11,6 +11,7 @@ use super::spans::{is_group, join};
 use super::suggest;
 use super::tree::{Entry, Key, Node, Shape};
 use super::tree_reader::Reader;
+use super::units::unit_of;
 
 impl<'a> IntoDeserializer<'a, Failure> for Reader<'a> {
     type Deserializer = Self;
@@ -231,10 +232,17 @@ impl<'a> de::VariantAccess<'a> for Variant<'a> {
         };
         let what =
             if is_word { format!("`{name}(...)`") } else { format!("`{name}({first}: ...)`") };
+        // A number is meant for the first field of a number, and a word for the first of another kind.
+        let meant = |value: &Node| {
+            let is_number = value.shape == Shape::Number;
+            fields.iter().position(|field| unit_of(field, None).is_some() == is_number)
+        };
         let help = match entries {
             _ if is_word => format!("its fields are {}", suggest::list(fields)),
             [Entry { value, .. }] if !is_group(value) => {
-                format!("write `{name}({first}: {})`", value.literal)
+                let k = meant(value).unwrap_or(0);
+                let before: String = fields[..k].iter().map(|of| format!("{of}: ..., ")).collect();
+                format!("write `{name}({before}{}: {})`", fields[k], value.literal)
             }
             _ => reader.without_names(fields),
         };

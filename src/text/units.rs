@@ -88,7 +88,8 @@ pub(crate) fn unit_of(name: &str, around: Option<&'static str>) -> Option<&'stat
         "force" | "Force" => "N",
         "moment" => "N m",
         "theta" | "friction" | "rolling_friction" | "restitution" | "residual" | "turn"
-        | "deviation" | "remains" | "agitation" | "affine" | "Porosity" | "StressDrop" => "",
+        | "deviation" | "remains" | "share" | "agitation" | "affine" | "Porosity"
+        | "StressDrop" => "",
         // Lengths and areas share this name of a variant.
         "Fixed" => return around,
         _ => return None,

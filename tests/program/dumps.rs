@@ -19,7 +19,12 @@ fn a_program_is_dumped_by_increments_of_the_run_or_of_a_stage() {
     assert_eq!(json(out.path(), "program_000007.json")["stage"], "load");
     let unknown = ["run", "biaxial_small", "--dump-program", "lod:2"];
     let said = stderr(&clastic(&unknown).code(2));
-    assert!(said.contains("no such stage; its stages are cement, confine, load"), "{said}");
+    assert!(
+        said.contains(
+            "no such stage; did you mean `load`? there are the stages `cement`, `confine`, `load`"
+        ),
+        "{said}"
+    );
     for wrong in ["0", "load:", "load:0", "x"] {
         clastic(&["run", "biaxial_small", "--dump-program", wrong]).code(2);
     }

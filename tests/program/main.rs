@@ -13,6 +13,7 @@ mod export;
 mod files;
 mod measures;
 mod new;
+mod practice;
 mod report;
 mod results;
 mod rigs;

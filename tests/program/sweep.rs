@@ -122,7 +122,14 @@ fn a_mistake_is_told_before_anything_runs() {
         (
             "\"stages.pull.increments\"",
             "\"materials.cemented.bond.tensile_strength\"",
-            "run 1 (strength 1.0e3, materials.cemented.bond.tensile_strength 150): two of its names set",
+            "run 1 (strength 1.0e3, materials.cemented.bond.tensile_strength 150): \
+             `materials.cemented.bond.tensile_strength` is set twice",
+        ),
+        (
+            "runs: Grid",
+            "set: [\"materials.cemented.bond.tensile_strength=5.0e3\"], runs: Grid",
+            "run 1 (strength 1.0e3, stages.pull.increments 150): \
+             `materials.cemented.bond.tensile_strength` is set twice, by a name or by `set`",
         ),
         (
             "runs: Grid",

@@ -8,7 +8,7 @@ use clastic_components::observation::Observation;
 
 use super::definitions::RESOLVED;
 use super::results::{BrokenBonds, Results};
-use crate::scene::format::{Contact, Scene, Specimen};
+use crate::scene::format::{Scene, Specimen};
 
 /// Part of a run to which an increment belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,22 +90,10 @@ impl Default for Point {
     }
 }
 
-/// Normal, tangential and rolling stiffness of each contact and bond of a scene.
-fn stiffnesses(scene: &Scene) -> impl Iterator<Item = [Option<f64>; 3]> + Clone {
-    let of_walls = scene.walls.iter().map(|wall| (wall.contact, wall.bond));
-    let of_materials = scene.materials.values().map(|material| (material.contact, material.bond));
-    of_walls.chain(of_materials).flat_map(|(contact, bond)| {
-        let of_bond =
-            bond.map(|b| [b.normal_stiffness, b.tangential_stiffness, b.rolling_stiffness]);
-        let Contact { normal_stiffness, tangential_stiffness, rolling_stiffness, .. } = contact;
-        of_bond.into_iter().chain([[normal_stiffness, tangential_stiffness, rolling_stiffness]])
-    })
-}
-
 impl KeyResults {
     /// Results before the run of a scene.
     pub fn of_scene(scene: &Scene) -> Self {
-        let all = stiffnesses(scene);
+        let all = scene.stiffnesses();
         let stiffest = all.clone().filter_map(|[normal, ..]| normal).fold(0.0, f64::max);
         let is_rigid = all.flatten().all(|stiffness| stiffness.is_none());
         let is_start_unknown = matches!(scene.specimen, Specimen::State { .. });

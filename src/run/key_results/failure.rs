@@ -8,7 +8,8 @@ use super::definitions::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOL
 const PASSED: f64 = 0.01;
 /// Relative difference of a strain to that of the peak, up to which a cycle has returned to it.
 const RETURNS: f64 = 1e-9;
-/// Maximum change of a constant lateral stress, over the change of the axial stress.
+/// Maximum change of a constant lateral stress, over the change of the axial stress. A confining stress that is less,
+/// as that of a plate that lifts off, is none.
 const STAYS: f64 = 0.01;
 /// Minimum number of broken bonds of which a hundredth is one.
 const ENOUGH_CRACKS: usize = 100;
@@ -139,7 +140,7 @@ impl KeyResults {
         let (_, at) = self.strength()?;
         let lateral = at.lateral_stress.ok_or("no lateral stress is measured")?;
         let (minor, major) = (at.stress.min(lateral), at.stress.max(lateral));
-        if minor <= RESOLVED * major {
+        if minor <= STAYS * major {
             return Err("no confining stress");
         }
         Ok(((major - minor) / (major + minor)).asin())

@@ -98,7 +98,7 @@ fn kept(stored: Option<&StoredSpecimen>) -> Option<f64> {
 }
 
 /// Time step of a stage, s; `None` of a static one.
-fn time_step(scene: &Scene, load: &Load) -> Option<f64> {
+pub(super) fn time_step(scene: &Scene, load: &Load) -> Option<f64> {
     match load.analysis.unwrap_or(scene.analysis) {
         Analysis::Dynamic { dt, .. } => Some(dt),
         Analysis::Static => None,

@@ -1,9 +1,13 @@
 //! Likely mistakes of a scene: values that are possible and seldom meant.
 
+use super::before::time_step;
 use super::material::Grains;
 use super::{OVERLAP, is_specimen};
 use crate::run::wall_pieces::pieces;
-use crate::scene::format::{Particle, Scene, Specimen, Stage, Strain, WallControl};
+use crate::scene::format::{
+    Bond, Cement, Material, Particle, Scene, Specimen, Stage, Strain, WallControl,
+};
+use crate::scene::memory::mean_of;
 use crate::text::shown::label;
 use clastic_systems::detect_contacts::grid::pairs_within;
 use glam::DVec2;
@@ -23,6 +27,11 @@ const LONG: f64 = 2.0;
 /// tests are below 0.1 m.
 const LARGE: f64 = 0.1;
 
+/// Weight of grains, N/m^3, whose density is in kg/m^3 and whose gravity in m/s^2: from foam on Earth to sand in a
+/// centrifuge at 380 g.
+const WEIGHT: std::ops::Range<f64> = 1e2..1e7;
+const EARTH: f64 = 9.81;
+
 /// Warnings of values that are seldom meant.
 pub(super) fn mistakes(
     scene: &Scene,
@@ -30,21 +39,32 @@ pub(super) fn mistakes(
     seeds: &[Particle],
     pressure: Option<f64>,
 ) -> Vec<String> {
-    let mut list: Vec<String> = frictions(scene)
-        .filter(|(_, friction)| *friction > TANGENT)
-        .map(|(path, friction)| {
-            format!(
-                "{path} is {friction:?}, which looks like degrees: friction is the tangent of its angle, \
-                 1 for 45 degrees"
-            )
-        })
-        .collect();
-    list.extend(stretch(scene).filter(|(_, of)| !STRETCH.contains(of)).map(|(path, of)| {
-        format!(
-            "{path}: at its strength a bond stretches by {of:.1e} times the thickness; strengths are in Pa \
-             and stiffnesses in N/m"
-        )
-    }));
+    let mut list = Vec::new();
+    for (kind, name, contact, bond) in scene.laws() {
+        let path = format!("{kind}s.{}", label(name));
+        let frictions =
+            [("contact", contact.map(|of| of.friction)), ("bond", bond.map(|of| of.friction))];
+        for (law, friction) in frictions.into_iter().filter(|(_, of)| *of > Some(TANGENT)) {
+            list.push(format!(
+                "{path}.{law}.friction is {:?}, which looks like degrees: friction is the tangent of its angle, 1 for \
+                 45 degrees",
+                friction.unwrap_or_default()
+            ));
+        }
+        // The glue of a wall may be as strong as it likes.
+        let bond = bond.filter(|_| kind != "wall");
+        let Some(Bond { cohesion, tensile_strength, normal_stiffness, .. }) = bond else {
+            continue;
+        };
+        let strength = cohesion.max(tensile_strength) * scene.thickness;
+        let stretch = normal_stiffness.map_or(0.0, |stiffness| strength / stiffness);
+        if stretch > 0.0 && stretch.is_finite() && !STRETCH.contains(&stretch) {
+            list.push(format!(
+                "{path}.bond: at its strength a bond stretches by {stretch:.1e} times the thickness; strengths are in \
+                 Pa and stiffnesses in N/m"
+            ));
+        }
+    }
     if let Some(level) = grains.level(pressure).filter(|level| *level > STIFFEST) {
         let pressure = pressure.unwrap_or_default();
         list.push(format!(
@@ -58,10 +78,67 @@ pub(super) fn mistakes(
             "the grains of the test are {mean:.2} m in diameter: lengths are in m, 1 mm is 1e-3"
         ));
     }
-    list.extend(long_bonds(scene, 0.5 * mean));
     list.extend(overlap(scene, seeds));
     list.extend(loose_sides(scene));
     list.extend(unused_bonds(scene));
+    list.extend(of_stages(scene, mean));
+    list
+}
+
+/// Warnings of bonds that are far longer than the grains, of weights that no grains have, and of time steps in which
+/// grains go further than their diameter.
+fn of_stages(scene: &Scene, mean: f64) -> Vec<String> {
+    let mut list = Vec::new();
+    let (mut strongest, mut counts) = (EARTH, false);
+    for stage in &scene.stages {
+        if let Stage::Cement(Cement { name, length: Some(length), particles: true, .. }) = stage
+            && mean > 0.0
+            && *length > LONG * 0.5 * mean
+        {
+            list.push(format!(
+                "stages.{}.length is {length:?} m, {:.1} mean radii: bonds as long as that join grains that are no \
+                 neighbours; lengths are in m, 1 mm is 1e-3",
+                label(name),
+                2.0 * length / mean
+            ));
+        }
+        let Some(load) = stage.load() else { continue };
+        let gravity = DVec2::from(load.gravity.unwrap_or(scene.gravity));
+        strongest = gravity.length().max(strongest);
+        counts |= gravity != DVec2::ZERO;
+        if gravity.y > 0.0 {
+            let stage = label(&load.name);
+            list.push(format!("stages.{stage}: gravity points up; down is (0.0, -9.81)"));
+        }
+        let Some(dt) = time_step(scene, load) else { continue };
+        counts = true;
+        let diameter = match stage {
+            Stage::Pour(pour) => 2.0 * mean_of(&pour.stream.sizes),
+            _ => mean,
+        };
+        let speeds = load.walls.values().map(|control| match control {
+            WallControl::Velocity(x, y) => x.hypot(*y),
+            _ => 0.0,
+        });
+        let ways = speeds.fold(gravity.length() * dt, f64::max) * dt / diameter;
+        if ways > 1.0 && ways.is_finite() {
+            list.push(format!(
+                "stages.{}: in a time step of {dt:?} s weight or a wall moves grains by {ways:.1} diameters; give a \
+                 smaller `dt`, in s",
+                label(&load.name)
+            ));
+        }
+    }
+    for (name, Material { density, .. }) in scene.materials.iter().filter(|_| counts) {
+        let weight = density * strongest;
+        if !WEIGHT.contains(&weight) {
+            list.push(format!(
+                "materials.{}: a density of {density:?} under a gravity of {strongest:?} is a weight of {weight:.1e} \
+                 N/m^3, and sand has 2.6e4; 1 g/cm^3 is 1000 kg/m^3, gravity is in m/s^2",
+                label(name)
+            ));
+        }
+    }
     list
 }
 
@@ -77,58 +154,6 @@ fn unused_bonds(scene: &Scene) -> Option<String> {
         "no bond has the law materials.{}.bond: `bonds` is empty, and no stage `Cement` makes any",
         label(name)
     ))
-}
-
-/// The coefficients of friction of a scene with their places.
-fn frictions(scene: &Scene) -> impl Iterator<Item = (String, f64)> {
-    let materials = scene.materials.iter().map(|(name, of)| {
-        (format!("materials.{}", label(name)), of.contact.friction, of.bond.as_ref())
-    });
-    let walls = scene
-        .walls
-        .iter()
-        .map(|of| (format!("walls.{}", label(&of.name)), of.contact.friction, of.bond.as_ref()));
-    let both = materials.chain(walls).flat_map(|(path, contact, bond)| {
-        let of_bond = bond.map(|bond| (format!("{path}.bond.friction"), bond.friction));
-        std::iter::once((format!("{path}.contact.friction"), contact)).chain(of_bond)
-    });
-    both.chain(cements(scene).map(|(path, bond)| (format!("{path}.friction"), bond.friction)))
-}
-
-/// The laws that stages give to their bonds.
-fn cements(scene: &Scene) -> impl Iterator<Item = (String, &crate::scene::format::Bond)> {
-    scene.stages.iter().filter_map(|stage| match stage {
-        Stage::Cement(of) => Some((format!("stages.{}.bond", label(&of.name)), of.bond.as_ref()?)),
-        _ => None,
-    })
-}
-
-/// Strength times thickness over stiffness of the elastic bonds of a scene.
-fn stretch(scene: &Scene) -> impl Iterator<Item = (String, f64)> {
-    let of_materials = scene.materials.iter().filter_map(|(name, of)| {
-        Some((format!("materials.{}.bond", label(name)), of.bond.as_ref()?))
-    });
-    of_materials.chain(cements(scene)).filter_map(|(path, bond)| {
-        let strength = bond.cohesion.max(bond.tensile_strength);
-        let of = strength * scene.thickness / bond.normal_stiffness?;
-        (strength > 0.0 && strength.is_finite()).then_some((path, of))
-    })
-}
-
-/// Warnings of bonds that are far longer than the grains.
-fn long_bonds(scene: &Scene, mean: f64) -> Vec<String> {
-    let long = |stage: &Stage| {
-        let Stage::Cement(of) = stage else { return None };
-        let joins = |length: &f64| of.particles && mean > 0.0 && *length > LONG * mean;
-        let length = of.length.filter(joins)?;
-        Some(format!(
-            "stages.{}.length is {length:?} m, {:.1} mean radii: bonds as long as that join grains that are no \
-             neighbours; lengths are in m, 1 mm is 1e-3",
-            label(&of.name),
-            length / mean
-        ))
-    };
-    scene.stages.iter().filter_map(long).collect()
 }
 
 /// Warning of disks that overlap at the start by more than linear contacts assume, with each other

@@ -165,11 +165,32 @@ impl Scene {
         if let Some(Quantity::Stress(stress)) = self.measure(name) { Some(stress) } else { None }
     }
 
+    /// Laws of contacts and bonds, with kind and name of their owner: materials, walls, stages that cement.
+    pub fn laws(
+        &self,
+    ) -> impl Iterator<Item = (&'static str, &str, Option<Contact>, Option<Bond>)> + Clone {
+        let materials = self.materials.iter();
+        let materials =
+            materials.map(|(name, of)| ("material", &**name, Some(of.contact), of.bond));
+        let walls = self.walls.iter().map(|of| ("wall", &*of.name, Some(of.contact), of.bond));
+        let stages = self.stages.iter().filter_map(|stage| match stage {
+            Stage::Cement(of) => Some(("stage", &*of.name, None, of.bond)),
+            _ => None,
+        });
+        materials.chain(walls).chain(stages)
+    }
+
+    /// Normal, tangential and rolling stiffness of each of these laws.
+    pub fn stiffnesses(&self) -> impl Iterator<Item = [Option<f64>; 3]> + Clone {
+        self.laws().flat_map(|(_, _, contact, bond)| {
+            let of_contact = contact.map(|contact| contact.stiffnesses());
+            of_contact.into_iter().chain(bond.map(|bond| bond.stiffnesses()))
+        })
+    }
+
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then
     /// those of theta = 1.
     pub fn has_restitution(&self) -> bool {
-        let materials = self.materials.values().map(|material| material.contact);
-        let walls = self.walls.iter().map(|wall| wall.contact);
-        materials.chain(walls).any(|contact| contact.restitution > 0.0)
+        self.laws().any(|(_, _, contact, _)| contact.is_some_and(|of| of.restitution > 0.0))
     }
 }

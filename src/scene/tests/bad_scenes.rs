@@ -323,10 +323,9 @@ fn recipes() {
         (SPECIMEN, "Lattice(columns: 3, rows: 0, radius: 1.0)",
          "10:41: specimen.rows: zero (0); give a number of 1 or more"),
         (SPECIMEN, "Lattice(columns: 3000000, rows: 3000000, radius: 1.0, origin: (0.0, 1.0))",
-         "10:15: specimen: 8999998500000 particles, which take about 90.0 PB of memory; give at most 5000000
-10:15: specimen: the specimen reaches behind wall `top`; move its origin or the wall; a wall has its inside on the left of start to end"),
+         "10:15: specimen: 8999998500000 particles, which take about 90.0 PB of memory; give at most 5000000"),
         (SPECIMEN, "Lattice(columns: 2, rows: 2, radius: 0.5, origin: (0.0, -0.5))",
-         "10:15: specimen: the specimen reaches behind wall `bottom`; move its origin or the wall; a wall has its inside on the left of start to end"),
+         "10:15: specimen: particle 0 is behind wall `bottom` (0.0, -0.5); move it inside; a wall has its inside on the left of start to end"),
         (SPECIMEN, "Packing(count: 0, columns: 0, spacing: 1.0, sizes: Equal(radius: 0.5), seed: 1)",
          "10:30: specimen.count: zero (0); give a number of 1 or more
 10:42: specimen.columns: zero (0); give a number of 1 or more"),
@@ -336,8 +335,7 @@ fn recipes() {
          "10:82: specimen.sizes.radius: minimum above maximum (0.6 > 0.3); give (minimum, maximum)
 10:101: specimen.seed: expected a whole number from 0, found `-1`"),
         (SPECIMEN, "Packing(count: 4, columns: 2, spacing: 0.5, sizes: LogNormal(radius: 0.5, deviation: -1.0, limits: (0.1, 0.2)), seed: 1, origin: (0.0, 1.7))",
-         "10:15: specimen: the specimen reaches behind wall `top`; move its origin or the wall; a wall has its inside on the left of start to end
-10:84: specimen.sizes.radius: the median is outside of the limits (0.5); give a median between the limits
+         "10:84: specimen.sizes.radius: the median is outside of the limits (0.5); give a median between the limits
 10:100: specimen.sizes.deviation: negative (-1.0); give a standard deviation of ln(radius) of 0 or more"),
         (SPECIMEN, "Particles([(position: (0.0, 1.0), radius: 1.0),])]",
          "10:64: `]` where the `(` of line 1 wants its `)`; check the brackets"),
@@ -393,10 +391,12 @@ fn stages() {
         (CONTROL, "particles: [(select: All, x: Velocity(1.0))]",
          "22:42: stages[0].particles[0].x: a velocity in a static stage, which has no time; use `Displacement`, in every increment, or a dynamic analysis"),
         (r#""top": Force(1.0)"#, r#""top": Stress(stress: 1.0, between: ("top", "bottom"))"#,
-         "22:58: stages[0].walls.top.between[0]: the wall itself (`top`); name the two walls that bound its loaded length"),
+         "22:57: stages[0].walls.top.between: wall `top` is at no end of wall `top`; name two walls at its ends, as left and right of a lid
+22:58: stages[0].walls.top.between[0]: the wall itself (`top`); name the two walls that bound its loaded length"),
         (r#""top": Force(1.0)"#, r#""top": Stress(stress: NaN, between: ("bottom", "bottom"))"#,
          "22:43: stages[0].walls.top.stress: not finite (NaN); give a stress in Pa
-22:57: stages[0].walls.top.between: a wall given twice; name two walls"),
+22:57: stages[0].walls.top.between: a wall given twice; name two walls
+22:57: stages[0].walls.top.between: wall `bottom` is at no end of wall `top`; name two walls at its ends, as left and right of a lid"),
         (CONTROL, r#"remove_walls: ["top"], walls: {"top": Fixed}"#,
          "22:51: stages[0].walls.top: wall `top` is not there in this stage; bring it in with `add_walls`"),
         (CONTROL, r#"remove_walls: ["top", "top"], add_walls: ["bottom"]"#,

@@ -139,9 +139,9 @@ fn the_engines_own_final_particles_are_a_specimen() {
 fn rows_are_checked_against_the_scene() {
     assert_eq!(
         complaint("x_m,y_m,radius_m,material\n0,1,1,\n2,-1,1,grain\n3,1,1,sand\n"),
-        "scene.ron:10:26: specimen.path: particle 1 of the file is behind wall `bottom` \
-         (2.0, -1.0); move it inside; a wall has its inside on the left of start to end\n\
-         scene.ron:10:26: specimen.path: unknown material (`sand`); there is only `grain`"
+        "scene.ron:10:26: specimen.path: unknown material (`sand`); there is only `grain`\n\
+         scene.ron:10:26: specimen.path: particle 1 of the file is behind wall `bottom` \
+         (2.0, -1.0); move it inside; a wall has its inside on the left of start to end"
     );
 }
 

@@ -5,10 +5,9 @@ use glam::DVec2;
 
 use crate::run::cell::at_start;
 use crate::scene::format::{
-    Analysis, Cell, CellTarget, Compact, CompactTarget, Load, Specimen, Stage,
+    Analysis, Cell, CellTarget, Compact, CompactTarget, Load, Particle, Specimen, Stage,
 };
 
-use super::Context;
 use super::findings::At;
 
 /// Minimum size of a cell, in maximum diameters. A contact may then be as long as two of them
@@ -21,15 +20,17 @@ pub(super) fn check(at: &mut At) {
     let Some(cell) = &scene.cell else { return without(at) };
     let fine = at.positive("cell.size[0]", cell.size.0, "a width in m")
         & at.positive("cell.size[1]", cell.size.1, "a height in m");
-    let needed = MIN_SIZE * 2.0 * max_radius(context).unwrap_or_default();
-    let is_small = fine && at.is_sure_of("specimen") && cell.size.0.min(cell.size.1) < needed;
+    let is_state = matches!(scene.specimen, Specimen::State { .. });
+    let is_known = !is_state && context.is_read() && at.are_sound(&["specimen"]);
+    let seeds = if is_known { context.at_start() } else { Vec::new() };
+    let needed = MIN_SIZE * 2.0 * seeds.iter().map(|seed| seed.radius).fold(0.0, f64::max);
+    let is_small = fine && cell.size.0.min(cell.size.1) < needed;
     let help = format!(
-        "at least {MIN_SIZE} times the maximum diameter, {needed:?} m, so that two particles \
-         touch once only"
+        "at least {MIN_SIZE} times the maximum diameter, {needed:?} m, so that two particles touch once only"
     );
     at.refuse(is_small, "cell.size", "too small a cell", help);
-    if fine {
-        images(at, cell);
+    if fine && at.are_sound(&["cell"]) {
+        images(at, cell, &seeds);
     }
     if let Some(i) = scene.walls.iter().position(|wall| wall.present)
         && !context.takes_walls()
@@ -74,13 +75,7 @@ pub(super) fn check(at: &mut At) {
 
 /// Checks that particles do not overlap across the sides of the cell by more than half a radius, as they
 /// do where it is smaller than the grid on which they are drawn.
-fn images(at: &mut At, cell: &Cell) {
-    let context = at.context;
-    let is_state = matches!(context.scene.specimen, Specimen::State { .. });
-    if is_state || !context.is_read() || !at.are_sound(&["specimen", "cell"]) {
-        return;
-    }
-    let seeds = context.at_start();
+fn images(at: &mut At, cell: &Cell, seeds: &[Particle]) {
     let (places, radii): (Vec<_>, Vec<_>) =
         seeds.iter().map(|s| (DVec2::from(s.position), s.radius)).unzip();
     let periodic = at_start(cell);
@@ -180,8 +175,8 @@ fn load(at: &mut At, stage: &Load) {
     if !stage.rigid.is_empty() {
         at.add("rigid", "rigid groups in a periodic cell", "leave them out");
     }
-    let help = "leave them out: a periodic cell has no outermost grains; write \
-                `cell: (xx: Stress(...))`";
+    let help =
+        "leave them out: a periodic cell has no outermost grains; write `cell: (xx: Stress(...))`";
     at.refuse(!stage.membranes.is_empty(), "membranes", "membranes in a periodic cell", help);
     let Some(control) = &stage.cell else { return };
     let at = &mut at.field("cell");
@@ -201,18 +196,5 @@ fn load(at: &mut At, stage: &Load) {
             Some(CellTarget::Stress(stress)) => at.finite(number, stress, "a stress in Pa"),
             Some(CellTarget::Fixed) | None => true,
         };
-    }
-}
-
-/// Maximum radius of the specimen, if known.
-fn max_radius(context: &Context) -> Option<f64> {
-    match &context.scene.specimen {
-        Specimen::Particles(list) => Some(list.iter().map(|p| p.radius).fold(0.0, f64::max)),
-        Specimen::Lattice { radius, .. } => Some(*radius),
-        Specimen::Packing { sizes, .. } => Some(sizes.limits()?.1),
-        Specimen::File { .. } => {
-            Some(context.specimen?.rows.iter().map(|p| p.r).fold(0.0, f64::max))
-        }
-        Specimen::State { .. } => None,
     }
 }

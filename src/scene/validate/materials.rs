@@ -2,7 +2,7 @@
 
 use clastic_components::domain;
 
-use crate::scene::format::{Analysis, Bond, Contact, Scatter, Scene, Spread, Stage};
+use crate::scene::format::{Analysis, Bond, Contact, Scatter, Spread, Stage};
 
 use super::findings::At;
 
@@ -111,7 +111,8 @@ fn scatter(at: &mut At, bond: &Bond, scatter: &Scatter) {
 pub(super) fn restitution(at: &mut At) {
     let scene = at.context.scene;
     let parts = ["materials", "walls", "analysis", "stages"];
-    if !scene.has_restitution() || !has_springs(scene) || !at.are_sure_of(&parts) {
+    let has_springs = scene.stiffnesses().any(|law| law != [None; 3]);
+    if !scene.has_restitution() || !has_springs || !at.are_sure_of(&parts) {
         return;
     }
     let has_analysis = |stage: &Stage| stage.load().is_some() || matches!(stage, Stage::Custom(_));
@@ -133,14 +134,4 @@ fn theta(at: &mut At, analysis: Option<Analysis>) {
                     of springs at its start; or leave out the restitution, or the stiffnesses of contacts and bonds";
         at.add("analysis.theta", message, help);
     }
-}
-
-/// Whether a law of the scene has a stiffness.
-fn has_springs(scene: &Scene) -> bool {
-    let materials = scene.materials.values().map(|m| (m.contact, m.bond));
-    let walls = scene.walls.iter().map(|w| (w.contact, w.bond));
-    materials.chain(walls).any(|(contact, bond)| {
-        contact.stiffnesses() != [None; 3]
-            || bond.is_some_and(|bond| bond.stiffnesses() != [None; 3])
-    })
 }

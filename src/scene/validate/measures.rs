@@ -1,14 +1,23 @@
 //! Definitions of strain and stress, and further measures.
 
-use crate::scene::format::{
-    Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Strain, StrainComponent, Stress,
-};
+use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::findings::At;
-use super::parts::{are_apart, both_straight, index_exists, one_piece};
-use super::places::{are_alike, are_opposite, distance};
-use super::select::select;
+use clastic_components::observation::StressComponent;
+use glam::DVec2;
+
 use crate::output::history::has_column;
+use crate::run::disks::Disks;
+use crate::scene::format::{
+    Amount, Area, CellStrain, Length, Measure, Quantity, ROLES, Stage, Strain, StrainComponent,
+    Stress,
+};
+use crate::scene::limits::MAX_NUMBER;
+
+use super::Context;
+use super::findings::At;
+use super::parts::{are_apart, bounds, index_exists, one_piece, towards_each_other};
+use super::places::{inward, length};
+use super::select::select;
 
 pub(super) fn check(at: &mut At) {
     let context = at.context;
@@ -28,44 +37,89 @@ pub(super) fn check(at: &mut At) {
         at.refuse(role.is_none() && has_column(name), "name", message, help);
         quantity(&mut at.field("of"), of);
     }
+    if at.are_sound(&["walls", "measures"]) {
+        axes(at);
+    }
+}
+
+/// Checks that axial strain and stress have one axis, and lateral ones the other: a stress along one over a strain
+/// along the other is no modulus.
+fn axes(at: &mut At) {
+    let scene = at.context.scene;
+    let found = ROLES.map(|role| axis(at.context, scene.measure(role)?));
+    let Some((axial, axis)) = [0, 2].into_iter().find_map(|k| Some((ROLES[k], found[k]?))) else {
+        return;
+    };
+    for (i, Measure { name, .. }) in scene.measures.iter().enumerate() {
+        let role = ROLES.iter().position(|role| role == name);
+        let Some((role, own)) = role.and_then(|role| Some((role, found[role]?))) else { continue };
+        let (is_lateral, is_along) = (role % 2 == 1, own.dot(axis).abs() >= FRAC_1_SQRT_2);
+        let across = if is_lateral { "along" } else { "across" };
+        let message = format!("`{name}` {across} the axis of `{axial}`");
+        let help = "axial strain and stress have one axis, lateral ones are across it: name other walls, or \
+                    another component";
+        at.refuse(is_lateral == is_along, format_args!("measures[{i}].of"), message, help);
+    }
+}
+
+/// Direction along which a normal strain or stress acts; `None` where the scene does not say.
+fn axis(context: &Context, of: &Quantity) -> Option<DVec2> {
+    match of {
+        Quantity::Strain(Strain::Walls(name, _)) => normal(context, name),
+        Quantity::Stress(Stress::Walls { walls, .. }) => normal(context, walls.first()?),
+        Quantity::Strain(
+            Strain::Cell(CellStrain::Width) | Strain::Region { component: StrainComponent::Xx, .. },
+        )
+        | Quantity::Stress(
+            Stress::Average { component: StressComponent::Xx, .. }
+            | Stress::Region { component: StressComponent::Xx, .. },
+        ) => Some(DVec2::X),
+        Quantity::Strain(
+            Strain::Cell(CellStrain::Height)
+            | Strain::Region { component: StrainComponent::Yy, .. },
+        )
+        | Quantity::Stress(
+            Stress::Average { component: StressComponent::Yy, .. }
+            | Stress::Region { component: StressComponent::Yy, .. },
+        ) => Some(DVec2::Y),
+        _ => None,
+    }
+}
+
+fn normal(context: &Context, wall: &str) -> Option<DVec2> {
+    context.wall(wall).filter(|wall| wall.shape.is_straight() && length(wall) > 0.0).map(inward)
 }
 
 /// Checks that a measure under the name of one of [`ROLES`] is a normal strain or a stress.
 fn names_a_role(at: &mut At, name: &str, of: &Quantity) {
-    if let Some((what, such_as)) = no_normal_strain(of) {
-        let help = format!("measure it under another name, such as `{such_as}`");
-        at.add("of", format!("a {what} as `{name}`"), help);
-    }
+    use StrainComponent::{Rotation, Volumetric, Xy};
+    let shears = matches!(
+        of,
+        Quantity::Strain(
+            Strain::Cell(CellStrain::Shear)
+                | Strain::Region { component: Xy | Rotation | Volumetric, .. }
+        )
+    );
     let (kind, fits) = if name.ends_with("strain") {
         ("Strain", matches!(of, Quantity::Strain(_)))
     } else {
         ("Stress", matches!(of, Quantity::Stress(_)))
     };
-    let message = format!("`{name}` is the name of a {}", kind.to_lowercase());
+    let what = if shears { "normal strain" } else { &kind.to_lowercase() };
+    let message = format!("`{name}` is the name of a {what}");
     let help = format!("write `of: {kind}(...)`, or give another name");
-    at.refuse(!fits, "of", message, help);
-}
-
-/// What a measure is that is a strain, but no normal strain, and a name for it.
-fn no_normal_strain(of: &Quantity) -> Option<(&'static str, &'static str)> {
-    use StrainComponent::{Rotation, Volumetric, Xy};
-
-    let Quantity::Strain(strain) = of else { return None };
-    match strain {
-        Strain::Cell(CellStrain::Shear) | Strain::Region { component: Xy, .. } => {
-            Some(("shear strain", "shear_strain"))
-        }
-        Strain::Region { component: Rotation, .. } => Some(("rotation", "rotation_rad")),
-        Strain::Region { component: Volumetric, .. } => Some(("volumetric strain", "volume")),
-        _ => None,
-    }
+    let help = if shears { "give another name, such as `shear_strain`" } else { &help };
+    at.refuse(!fits || shears, "of", message, help);
 }
 
 fn quantity(at: &mut At, of: &Quantity) {
     match of {
         Quantity::Strain(of) => strain(at, of),
         Quantity::Stress(of) => stress(at, of),
-        Quantity::Porosity(of) => area(at, of),
+        Quantity::Porosity(of) => {
+            area(at, of);
+            holds(at, of);
+        }
         Quantity::WallForce { wall: name, .. } => wall(at, "wall", name),
         Quantity::VolumetricStrain => needs_strains(at),
         Quantity::DilationAngle { over } => {
@@ -79,13 +133,8 @@ fn quantity(at: &mut At, of: &Quantity) {
             at.add("[0]", "a share of what is still to come", "write `Number` or `Mass`");
         }
         Quantity::Grains { min, max, moved, .. } => {
-            at.place("min", *min);
-            at.place("max", *max);
-            let (low, high) =
-                (min.unwrap_or((f64::MIN, f64::MIN)), max.unwrap_or((f64::MAX, f64::MAX)));
-            let message = "not above and to the right of min";
-            let help = "give a rectangle with an area";
-            at.refuse(low.0 >= high.0 || low.1 >= high.1, "max", message, help);
+            let far = MAX_NUMBER;
+            at.rectangle(min.unwrap_or((-far, -far)), max.unwrap_or((far, far)));
             at.not_negative("moved", *moved, "a displacement in m");
         }
         Quantity::Front { share, .. } => {
@@ -122,23 +171,6 @@ fn strain(at: &mut At, strain: &Strain) {
     }
 }
 
-/// Checks that a strain is not that between two walls of which one is drawn from its end to its start:
-/// a wall that comes at the outermost particles would come from the other side.
-fn towards_each_other(at: &mut At, (a, b): (&str, &str)) {
-    let Some((first, second)) = both_straight(at, (a, b)) else { return };
-    if a == b || !at.are_sound(&["walls", "specimen"]) {
-        return;
-    }
-    let both_come = !first.is_placed() && !second.is_placed();
-    if are_alike(first, second) {
-        let what = format!("walls `{a}` and `{b}` have their insides on the same side");
-        at.add("", what, "exchange start and end of one of them");
-    } else if both_come && are_opposite(first, second) && distance(first, second) < 0.0 {
-        let what = format!("walls `{a}` and `{b}` have their outsides towards each other");
-        at.add("", what, "exchange start and end of both");
-    }
-}
-
 /// For measures that follow from axial and lateral strain.
 fn needs_strains(at: &mut At) {
     for name in &ROLES[..2] {
@@ -154,13 +186,17 @@ fn stress(at: &mut At, stress: &Stress) {
             at.refuse(walls.is_empty(), "walls", "no walls", "name one or more");
             for (i, name) in walls.iter().enumerate() {
                 wall(&mut at.item("walls", i), "", name);
+                are_apart(&mut at.item("walls", i), "", (&walls[0], name));
             }
             let at = &mut at.field("length");
             match length {
                 Length::Fixed(length) => {
                     at.positive("[0]", *length, "a length in m");
                 }
-                Length::Between(a, b) => two_walls(at, (a, b)),
+                Length::Between(a, b) => {
+                    two_walls(at, (a, b));
+                    walls.iter().take(1).for_each(|wall| bounds(at, "", (a, wall)));
+                }
                 Length::Membrane(name) => membrane(at, "[0]", name),
             }
         }
@@ -181,9 +217,28 @@ fn area(at: &mut At, area: &Area) {
         Area::Box(a, b) => {
             two_walls(&mut at.item("", 0), (&a.0, &a.1));
             two_walls(&mut at.item("", 1), (&b.0, &b.1));
+            bounds(&mut at.item("", 1), "", (&b.0, &a.0));
         }
         Area::Membrane(name) => membrane(at, "[0]", name),
     }
+}
+
+/// Checks that the area of a porosity is that of the grains at least, of which no stage takes any away.
+fn holds(at: &mut At, of: &Area) {
+    let context = at.context;
+    let Area::Fixed(area) = *of else { return };
+    let taken = context.scene.stages.iter().any(|stage| matches!(stage, Stage::Remove(_)));
+    if taken || !context.is_read() || context.is_resumed() || !at.are_sound(&["specimen"]) {
+        return;
+    }
+    let grains = Disks::of(context.at_start().iter().map(|grain| grain.radius)).area;
+    let message = format!("an area of {area:?} m^2, and the grains have {grains:.3e} m^2");
+    at.refuse(
+        area < grains,
+        "[0]",
+        message,
+        "give the area of the specimen, or `Box` of its walls",
+    );
 }
 
 fn has_cell(at: &mut At) {

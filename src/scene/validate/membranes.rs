@@ -1,12 +1,16 @@
 //! Membranes in a stage: each is made once, and changed while it is there.
 
-use clastic_components::domain;
+use std::f64::consts::FRAC_1_SQRT_2;
 
-use crate::scene::format::{Load, MembraneControl, Scene, Stage};
+use clastic_components::domain;
+use clastic_components::membrane::Sides;
+
+use crate::scene::format::{Load, MembraneControl, Scene, Stage, Wall};
 use crate::scene::stored_state::{StoredMembrane, StoredSpecimen};
 
 use super::findings::At;
 use super::parts::{face, is_known, straight, wall_there};
+use super::places::inward;
 
 /// The membranes of a saved state from which the scene starts with its walls.
 pub(super) fn inherited(
@@ -32,8 +36,7 @@ pub(super) fn none(at: &mut At, there: &[StoredMembrane]) {
         && at.is_sure_of("stages")
     {
         let help = format!(
-            "remove it in a loading stage before: `remove_membranes: [\"{name}\"]`, with walls \
-             in its place"
+            "remove it in a loading stage before: `remove_membranes: [\"{name}\"]`, with walls in its place"
         );
         at.add("", format!("a compaction with a membrane (`{name}`)"), help);
     }
@@ -64,7 +67,7 @@ pub(super) fn check(at: &mut At, stage: &Load, there: &mut Vec<StoredMembrane>) 
         if there.iter().any(|other| other.name == *name) {
             is_there_already(at, name, control);
         } else {
-            made(at, control);
+            made(at, name, control);
             there.push(StoredMembrane { name: name.clone(), between: control.between.clone() });
         }
     }
@@ -83,7 +86,7 @@ fn is_there_already(at: &mut At, name: &str, control: &MembraneControl) {
     }
 }
 
-fn made(at: &mut At, control: &MembraneControl) {
+fn made(at: &mut At, name: &str, control: &MembraneControl) {
     at.within("ball", control.ball, domain::RADIUS);
     let Some((a, b)) = &control.between else {
         let help = "name the two walls between which it lies, `between: (\"bottom\", \"top\")`";
@@ -97,6 +100,22 @@ fn made(at: &mut At, control: &MembraneControl) {
     });
     at.pair("between", (a, b), "wall");
     if a != b {
-        face(at, "between[1]", walls);
+        face(at, "between[1]", (b, a));
+    }
+    let Some(from) = walls[0].filter(|_| at.are_sure_of(&["stages", "walls"])) else { return };
+    let holds = |wall: &&Wall| {
+        // A wall on the left of the way has its inside on the right.
+        let right = inward(from).perp_dot(inward(wall));
+        let right = match control.sides.unwrap_or_default() {
+            Sides::Both => right.abs(),
+            Sides::Left => -right,
+            Sides::Right => right,
+        };
+        right > FRAC_1_SQRT_2 && wall.shape.is_straight() && at.is_there(&wall.name) == Some(true)
+    };
+    if let Some(wall) = at.context.scene.walls.iter().find(holds) {
+        let message =
+            format!("wall `{}` stays beside membrane `{name}` and holds its grains", wall.name);
+        at.add("", message, format!("take it away: `remove_walls: [\"{}\"]`", wall.name));
     }
 }

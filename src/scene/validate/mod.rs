@@ -47,8 +47,8 @@ pub(super) fn findings(
     settings::check(at);
     materials::check(at);
     walls::check(at);
-    cell::check(at);
     specimen::check(at);
+    cell::check(at);
     cuts::check(at);
     walls::beside_thin(at);
     select::groups(at);

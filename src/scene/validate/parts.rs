@@ -7,7 +7,7 @@ use crate::scene::format::{Motion, Wall, WallShape};
 use crate::text::suggest;
 
 use super::findings::At;
-use super::places::{are_askew, are_opposite, length};
+use super::places::{are_alike, are_askew, are_opposite, distance, length};
 
 impl At<'_, '_> {
     /// Checks a reference to a named part of the scene. `topic` is the field that defines such
@@ -136,42 +136,55 @@ pub(super) fn one_piece(at: &mut At, field: impl Display, name: &str, (what, hel
     }
 }
 
-/// Checks that two walls, if they exist, are parallel, with their insides towards each other. One
-/// without a length is an error of its own.
-pub(super) fn face(at: &mut At, field: &str, walls: [Option<&Wall>; 2]) {
-    if let [Some(a), Some(b)] = walls
-        && at.is_sure_of("walls")
-        && length(a) > 0.0
-        && length(b) > 0.0
-        && !are_opposite(a, b)
-    {
-        let message = format!("wall `{}` does not face wall `{}`", b.name, a.name);
-        let help = "the two walls must be parallel, with their insides towards each other";
-        at.add(field, message, help);
-    }
-}
-
-/// Two walls, if they exist and are straight with a length.
-pub(super) fn both_straight<'a>(
-    at: &At<'_, 'a>,
+/// Refuses two walls, if they exist and are straight, that lie to each other as they should not. `wrong` completes
+/// "wall A ... wall B".
+fn lie(
+    at: &mut At,
+    field: &str,
     (a, b): (&str, &str),
-) -> Option<(&'a Wall, &'a Wall)> {
+    is_wrong: fn(&Wall, &Wall) -> bool,
+    (wrong, help): (&str, &str),
+) {
     let find = |name: &str| {
         let wall = at.context.wall(name);
         wall.filter(|wall| wall.shape.is_straight() && length(wall) > 0.0)
     };
-    Some((find(a)?, find(b)?))
+    let is_wrong = find(a).zip(find(b)).is_some_and(|(a, b)| is_wrong(a, b));
+    let message = format!("wall `{a}` {wrong} wall `{b}`");
+    at.refuse(is_wrong && at.is_sure_of("walls"), field, message, help);
 }
 
-/// Checks that two walls, if they exist, have a distance that is the size of something between them.
-pub(super) fn are_apart(at: &mut At, field: &str, (a, b): (&str, &str)) {
-    if let Some((first, second)) = both_straight(at, (a, b))
-        && at.is_sure_of("walls")
-        && are_askew(first, second)
-    {
-        let message = format!("walls `{a}` and `{b}` do not lie opposite each other");
-        at.add(field, message, "name two walls on opposite sides, as left and right");
+/// Checks that a strain is not that between two walls of which one is drawn from its end to its start:
+/// a wall that comes at the outermost particles would come from the other side.
+pub(super) fn towards_each_other(at: &mut At, walls: (&str, &str)) {
+    if !at.are_sound(&["walls", "specimen"]) {
+        return;
     }
+    let alike = |a: &Wall, b: &Wall| a.name != b.name && are_alike(a, b);
+    let help = "exchange start and end of one of them";
+    lie(at, "", walls, alike, ("has its inside on the same side as", help));
+    let apart = |a: &Wall, b: &Wall| {
+        !a.is_placed() && !b.is_placed() && are_opposite(a, b) && distance(a, b) < 0.0
+    };
+    lie(at, "", walls, apart, ("has its outside towards", "exchange start and end of both"));
+}
+
+/// Checks that two walls are parallel, with their insides towards each other.
+pub(super) fn face(at: &mut At, field: &str, walls: (&str, &str)) {
+    let help = "the two walls must be parallel, with their insides towards each other";
+    lie(at, field, walls, |a, b| !are_opposite(a, b), ("does not face", help));
+}
+
+/// Checks that two walls have a distance that is the size of something between them.
+pub(super) fn are_apart(at: &mut At, field: &str, walls: (&str, &str)) {
+    let help = "name two walls on opposite sides, as left and right";
+    lie(at, field, walls, are_askew, ("does not lie opposite", help));
+}
+
+/// Checks that a wall is at an end of another one, along which a length is measured.
+pub(super) fn bounds(at: &mut At, field: &str, walls: (&str, &str)) {
+    let help = "name two walls at its ends, as left and right of a lid";
+    lie(at, field, walls, |a, b| !are_askew(a, b), ("is at no end of", help));
 }
 
 /// Finds a control by time in a stage that has none. `instead` is one by increments.

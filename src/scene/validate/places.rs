@@ -54,7 +54,7 @@ pub(super) fn length(wall: &Wall) -> f64 {
 }
 
 /// Unit normal on the left of the direction from start to end.
-fn inward(wall: &Wall) -> DVec2 {
+pub(super) fn inward(wall: &Wall) -> DVec2 {
     along(wall).perp() / length(wall)
 }
 
@@ -83,68 +83,26 @@ pub(super) fn distance(from: &Wall, to: &Wall) -> f64 {
     (DVec2::from(to.start) - DVec2::from(from.start)).dot(inward(from))
 }
 
-/// Checks the corners of a specimen that a recipe makes.
-pub(super) fn outline(
-    at: &mut At,
-    low: (f64, f64),
-    high: (f64, f64),
-    (bottom, top): (f64, f64),
-    radius: f64,
-) {
-    // Particles that are cut away may lie behind a wall; `cuts` checks the others.
-    let scene = at.context.scene;
-    if scene.keep.is_some() || !at.are_sure_of(&["specimen", "walls"]) {
-        return;
-    }
-    let corners = [(low.0, bottom), (low.1, bottom), (high.0, top), (high.1, top)];
-    let far = corners.iter().copied().max_by(|a, b| finest(*a).total_cmp(&finest(*b)));
-    if let Some(far) = far {
-        not_too_far(at, "", "a corner of it", far, radius);
-    }
-    let outside = |wall: &&Wall| {
-        wall.present && corners.iter().any(|corner| is_behind(wall, *corner, radius))
-    };
-    if let Some(wall) = scene.walls.iter().find(outside) {
-        let message = format!("the specimen reaches behind wall `{}`", wall.name);
-        let help = "move its origin or the wall; a wall has its inside on the left of start to end";
-        at.add("", message, help);
-    }
-}
-
-/// Checks that floating-point numbers are fine enough at a disk.
-pub(super) fn not_too_far(
+/// Checks that floating-point numbers are fine enough at a disk, and that it is not behind a wall. Disks of which
+/// some are cut away may be; `cuts` checks the others.
+pub(super) fn is_well_placed(
     at: &mut At,
     field: impl Display,
     what: impl Display,
     place: (f64, f64),
     radius: f64,
 ) -> bool {
-    let is_too_far = finest(place) > COARSEST * radius;
-    if is_too_far {
+    let scene = at.context.scene;
+    let mut is_fine = finest(place) <= COARSEST * radius;
+    if !is_fine {
         let message = format!("{what} is too far from the origin {place:?}");
         let step = finest(place);
         let help = format!(
             "numbers there are {step:.1e} m apart, too coarse for a radius of {radius:?} m"
         );
-        at.add(field, message, help);
+        at.add(&field, message, help);
     }
-    !is_too_far
-}
-
-/// Checks that a disk is not behind a wall.
-pub(super) fn not_behind(
-    at: &mut At,
-    field: impl Display,
-    what: impl Display,
-    place: (f64, f64),
-    radius: f64,
-) -> bool {
-    let scene = at.context.scene;
-    if scene.keep.is_some() {
-        return true;
-    }
-    let mut is_fine = true;
-    for wall in walls_before(scene, place, radius) {
+    for wall in walls_before(scene, place, radius).filter(|_| scene.keep.is_none()) {
         is_fine = false;
         let message = format!("{what} is behind wall `{}` {place:?}", wall.name);
         let help = "move it inside; a wall has its inside on the left of start to end";
@@ -188,8 +146,7 @@ fn pair(at: &mut At, (a, b): (&Wall, &Wall), drawn: f64) {
         }
         let (mover, other) = if of_a > 0.0 { (a, b) } else { (b, a) };
         let message = format!(
-            "comes to wall `{}`, {distance:?} m away: the two close by {closing:?} m in every one of {} \
-             increments",
+            "comes to wall `{}`, {distance:?} m away: the two close by {closing:?} m in every one of {} increments",
             other.name, stage.increments
         );
         let help = "give less for an increment; a displacement is not that of the whole stage";

@@ -15,7 +15,7 @@ use crate::text::suggest;
 use super::bonds;
 use super::findings::At;
 use super::parts::material_of;
-use super::places::{not_behind, not_too_far, outline};
+use super::places::is_well_placed;
 use super::select::name_of_group;
 use super::sizes::check_sizes;
 
@@ -26,29 +26,23 @@ pub(super) fn check(at: &mut At) {
     match &context.scene.specimen {
         Specimen::Particles(list) => particles(own, list),
         Specimen::Lattice { columns, rows, radius, origin, material } => {
-            let counts = own.at_least_one("columns", *columns, "a number")
-                & own.at_least_one("rows", *rows, "a number");
-            let fine = own.within("radius", *radius, domain::RADIUS) & own.place("origin", *origin);
+            own.at_least_one("columns", *columns, "a number");
+            own.at_least_one("rows", *rows, "a number");
+            own.within("radius", *radius, domain::RADIUS);
+            own.place("origin", *origin);
             material_of(own, material.as_deref());
-            if fine && counts {
-                let last = f64::from(rows - 1);
-                let indent = if rows % 2 == 0 && *columns > 1 { *radius } else { 0.0 };
-                let low = (origin.0, origin.0 + 2.0 * radius * f64::from(columns - 1));
-                let high = (low.0 + indent, low.1 - indent);
-                let heights = (origin.1, origin.1 + 3_f64.sqrt() * radius * last);
-                outline(own, low, high, heights, *radius);
-            }
         }
         Specimen::Packing { count, columns, spacing, origin, sizes, material, .. } => {
-            let counts = own.at_least_one("count", *count, "a number")
-                & own.at_least_one("columns", *columns, "a number");
-            let fine =
-                own.positive("spacing", *spacing, "a spacing in m") & own.place("origin", *origin);
+            own.at_least_one("count", *count, "a number");
+            own.at_least_one("columns", *columns, "a number");
+            own.place("origin", *origin);
             material_of(own, material.as_deref());
-            let limits = check_sizes(&mut own.field("sizes"), sizes);
-            if let Some(limits) = limits.filter(|_| fine) {
-                packing(own, counts.then_some((*count, *columns)), (*spacing, *origin), limits);
-            }
+            let fine = own.positive("spacing", *spacing, "a spacing in m");
+            let limits = check_sizes(&mut own.field("sizes"), sizes).filter(|_| fine);
+            let wanted = limits.map_or(0.0, |(_, maximum)| 2.0 * maximum);
+            let message = format!("smaller than the maximum diameter ({spacing:?})");
+            let help = format!("give a spacing in m of {wanted:?} or more");
+            own.refuse(*spacing < wanted, "spacing", message, help);
         }
         Specimen::File { material, .. } => {
             if let Some(stored) = context.specimen {
@@ -57,7 +51,26 @@ pub(super) fn check(at: &mut At) {
         }
         Specimen::State { materials, .. } => state(at, materials),
     }
+    let is_recipe =
+        matches!(context.scene.specimen, Specimen::Lattice { .. } | Specimen::Packing { .. });
+    if is_recipe && context.scene.keep.is_none() && at.are_sound(&["specimen", "walls"]) {
+        let disks = context.at_start().into_iter().map(|seed| (seed.position, seed.radius));
+        places(at, "specimen", ("", 1), disks);
+    }
     bonds::check(at);
+}
+
+/// Checks where the particles `whose` are, up to the first `most` that are where none can be.
+fn places(
+    at: &mut At,
+    field: &str,
+    (whose, most): (&str, usize),
+    disks: impl Iterator<Item = ((f64, f64), f64)>,
+) {
+    let wrong = disks.enumerate().filter(|(i, (place, radius))| {
+        !is_well_placed(at, field, format_args!("particle {i}{whose}"), *place, *radius)
+    });
+    let _ = wrong.take(most).count();
 }
 
 /// Checks that a specimen is not too large for any machine.
@@ -96,8 +109,7 @@ fn particles(at: &mut At, list: &[Particle]) {
         material_of(at, particle.material.as_deref());
         name_of_group(at, particle.group.as_deref());
         if fine && at.is_sure("") {
-            not_too_far(at, "position", "the centre", place, radius);
-            not_behind(at, "position", "the centre", place, radius);
+            is_well_placed(at, "position", "the centre", place, radius);
         }
     }
     if at.is_sure_of("specimen") {
@@ -111,44 +123,17 @@ fn particles(at: &mut At, list: &[Particle]) {
     }
 }
 
-/// Checks the grid on which a packing starts: every cell holds the largest disk, and no disk is behind
-/// a wall. `counts` are the numbers of disks and of columns, `None` where one of them is wrong itself.
-fn packing(
-    at: &mut At,
-    counts: Option<(u32, u32)>,
-    (spacing, origin): (f64, (f64, f64)),
-    (minimum, maximum): (f64, f64),
-) {
-    let message = format!("smaller than the maximum diameter ({spacing:?})");
-    let help = format!("give a spacing in m of {:?} or more", 2.0 * maximum);
-    at.refuse(spacing < 2.0 * maximum, "spacing", message, help);
-    let Some((count, columns)) = counts else { return };
-    // Every disk stays in its cell, so the outermost centres are at least a radius inside the grid.
-    let rows = count.div_ceil(columns);
-    let in_last = count - (rows - 1) * columns;
-    let right = |columns: u32| origin.0 + spacing * f64::from(columns) - minimum;
-    let left = origin.0 + minimum;
-    let top = origin.1 + spacing * f64::from(rows) - minimum;
-    let (low, high) = ((left, right(count.min(columns))), (left, right(in_last)));
-    outline(at, low, high, (origin.1 + minimum, top), minimum);
-}
-
 fn rows(at: &mut At, stored: &StoredSpecimen, default: Option<&str>) {
     if default.is_some() || stored.rows.iter().any(|row| row.material.is_none()) {
         material_of(at, default);
     }
-    let mut wrong = 0;
-    for (i, row) in stored.rows.iter().enumerate() {
-        let place = (row.x, row.y);
-        let whose = format_args!("particle {i} of the file");
-        let fine = row.material.as_deref().is_none_or(|name| at.material("path", name))
-            & not_too_far(at, "path", whose, place, row.r)
-            & not_behind(at, "path", whose, place, row.r);
-        wrong += usize::from(!fine);
-        if wrong == MAX_SHOWN {
-            return;
-        }
+    let materials: BTreeSet<_> =
+        stored.rows.iter().filter_map(|row| row.material.as_deref()).collect();
+    for name in materials {
+        at.material("path", name);
     }
+    let disks = stored.rows.iter().map(|row| ((row.x, row.y), row.r));
+    places(at, "path", (" of the file", MAX_SHOWN), disks);
 }
 
 /// Checks the saved state from which a scene starts.
@@ -174,8 +159,7 @@ fn state(at: &mut At, renamed: &BTreeMap<String, String>) {
     for name in lost.filter(|name| !renamed.values().any(|new| new == *name)) {
         let message = format!("the scene lacks material `{name}` of the state");
         let help = format!(
-            "add it to `materials` of the scene, or rename it: materials: {{{name:?}: NAME}}, \
-             with one of {}",
+            "add it to `materials` of the scene, or rename it: materials: {{{name:?}: NAME}}, with one of {}",
             suggest::list(&context.materials)
         );
         at.refuse(at.is_sure_of("materials"), "specimen", message, help);
@@ -188,12 +172,6 @@ fn state(at: &mut At, renamed: &BTreeMap<String, String>) {
         let help = "release the group in the run that saves, or leave `walls` out";
         at.add("walls", message, help);
     }
-    let before = at.list.len();
-    for (i, row) in stored.rows.iter().enumerate() {
-        let whose = format_args!("particle {i} of the state");
-        not_behind(at, "specimen.path", whose, (row.x, row.y), row.r);
-        if at.list.len() >= before + MAX_SHOWN {
-            return;
-        }
-    }
+    let disks = stored.rows.iter().map(|row| ((row.x, row.y), row.r));
+    places(at, "specimen.path", (" of the state", MAX_SHOWN), disks);
 }

@@ -87,7 +87,7 @@ fn compact(at: &mut At, stage: &Compact) {
         let message = format!("the wall that moves (`{base}`)");
         at.add("base", message, "name the fixed wall opposite");
     } else {
-        face(at, "base", [moving, fixed]);
+        face(at, "base", (base, wall));
     }
     match *target {
         CompactTarget::Height(_) if stage.by == CompactBy::Radii => {

@@ -6,7 +6,7 @@ use crate::scene::format::{Analysis, LidLoad, Slide, Table, WallControl};
 use crate::text::suggest;
 
 use super::findings::At;
-use super::parts::{ONE_PIECE, are_apart, needs_time, one_piece, straight, wall_there};
+use super::parts::{ONE_PIECE, are_apart, bounds, needs_time, one_piece, straight, wall_there};
 
 /// Maximum rotation of a wall in an increment, rad. Gaps are those of the rotation to first order
 /// for a disk that moves with the wall, whose error is that share squared of its motion.
@@ -89,6 +89,7 @@ fn loaded_between(at: &mut At, name: &str, between: Option<&(String, String)>) {
     }
     at.pair("between", (a, b), "wall");
     are_apart(at, "between", (a, b));
+    bounds(at, "between", (a, name));
 }
 
 fn lid(at: &mut At, name: &str, load: &LidLoad, slide: Slide) {

@@ -208,8 +208,7 @@ fn hollow(at: &mut At, wall: &Wall, seeds: &[Particle]) {
         radius
     };
     let message = format!(
-        "an arc of radius {radius:.3e} m: a particle of radius {largest:.3e} m could touch both of \
-         its ends at once"
+        "an arc of radius {radius:.3e} m: a particle of radius {largest:.3e} m could touch both of its ends at once"
     );
     let help = "draw it as a `Polyline`, or close it to a whole circle";
     at.refuse(!is_whole && largest >= mouth, "shape", message, help);

@@ -1,0 +1,127 @@
+//! Answers that would look right to a practitioner and are wrong.
+
+use std::fs;
+
+use clastic::output::marks::marks;
+use clastic::run::key_results::{KeyResults, Phase};
+use clastic_components::attempt::IncrementStatus;
+use clastic_components::observation::Observation;
+use serde_json::{Value, json};
+
+use crate::call::{clastic, json as read_json, rows, run, stderr, stdout};
+
+/// Axial strain and stress of an increment, under a lateral stress of 1 kPa.
+fn increment(n: u64, strain: f64, stress: f64) -> Observation {
+    Observation {
+        increment: n,
+        status: IncrementStatus::Solved,
+        axial_strain: Some(strain),
+        axial_stress: Some(stress),
+        lateral_stress: Some(1.0e3),
+        ..Observation::default()
+    }
+}
+
+/// The stress under a plate that lifts off came down to that of a grain which clings to it, and the specimen had a
+/// friction angle of 86 degrees.
+#[test]
+fn a_plate_that_lifts_off_gives_no_friction_angle() {
+    let angle = |least: f64| {
+        let mut results = KeyResults::new(false);
+        results.observe(&increment(1, 0.0, 1.0e3), Phase::Loading);
+        for (n, stress) in [(2, 0.5e3), (3, least), (4, 0.5e3)] {
+            results.observe(&increment(n, -1e-3 * n as f64, stress), Phase::Reference);
+        }
+        results.results().friction_angle_rad
+    };
+    assert_eq!(angle(1.0), None);
+    assert!((angle(1.0e3 / 3.0).unwrap() - 0.5_f64.asin()).abs() < 1e-12);
+}
+
+/// An area of 1 m^2 gave friction angles of 82 and 71 degrees for 23, and E of 0.2 MPa for 18.
+#[test]
+fn wrong_lengths_and_areas_of_stresses_give_neither_modulus_nor_friction_angle() {
+    let of = |measure: &str| {
+        let (done, out) = run("prepare_and_branch_50kPa", &["--quiet", "--set", measure]);
+        let said = stdout(&done.code(0));
+        (said, read_json(out.path(), "run.json")["results"].clone())
+    };
+    for wrong in [
+        "measures.lateral_stress.of=Stress(Walls(walls: [\"left\", \"right\"], length: Fixed(0.05)))",
+        "measures.lateral_stress.of=Stress(Average(component: Xx, area: Fixed(1.0)))",
+        "measures.axial_stress.of=Stress(Average(component: Yy, area: Fixed(1.0)))",
+    ] {
+        let (said, results) = of(wrong);
+        assert!(said.contains("is not the area of the specimen"), "{said}");
+        for name in ["youngs_modulus_pa", "friction_angle_rad"] {
+            assert!(results[name].is_null(), "{wrong}: {results}");
+        }
+    }
+    let right = "measures.axial_stress.of=Stress(Walls(walls: [\"top\"], length: Fixed(0.1)))";
+    assert!(of(right).1["youngs_modulus_pa"].is_number());
+}
+
+#[test]
+fn a_stage_that_ended_before_its_stop_marks_its_run() {
+    let marks_of = |ended_by: &str, stop: Value| {
+        let stage = json!({ "stage": "shear", "ended_by": ended_by, "stop": stop });
+        marks(&json!({ "outcome": { "status": "completed" }, "stages": [stage] }))
+    };
+    let stop = json!({ "Above": ["axial_strain", 0.1] });
+    assert!(marks_of("stop", stop.clone()).is_empty());
+    assert!(marks_of("all_increments", Value::Null).is_empty());
+    assert_eq!(marks_of("all_increments", stop), ["stage shear ended before its stop"]);
+}
+
+#[test]
+fn likely_mistakes_of_time_weight_and_density_are_told_before_the_run() {
+    for (setting, told) in [
+        ("analysis.dt=2.0", "in a time step of 2.0 s weight or a wall moves grains by"),
+        (
+            "materials.stone.density=2.65",
+            "materials.stone: a density of 2.65 under a gravity of 9.81 is a weight of",
+        ),
+        ("gravity=(0.0, -9810.0)", "under a gravity of 9810.0 is a weight of 2.6e7 N/m^3"),
+        ("gravity=(0.0, 9.81)", "gravity points up"),
+    ] {
+        let said = stdout(&clastic(&["check", "column_collapse_small", "--set", setting]).code(0));
+        assert!(said.contains("WARNING: ") && said.contains(told), "{setting}: {said}");
+    }
+    // A centrifuge at 100 g.
+    let centrifuge = ["check", "column_collapse_small", "--set", "gravity=(0.0, -981.0)"];
+    let said = stdout(&clastic(&centrifuge).code(0));
+    assert!(!said.contains("WARNING"), "{said}");
+}
+
+#[test]
+fn a_stop_that_held_when_its_stage_began_is_told() {
+    let stop = "stages.load.stop=[Above(\"axial_stress\", 100.0e3)]";
+    let (done, out) = run("biaxial_small", &["--quiet", "--set", stop]);
+    let said = stdout(&done.code(0));
+    assert!(said.contains("WARNING: stage load ended with its first increment: Above"), "{said}");
+    assert_eq!(rows(out.path(), "history.csv").last().unwrap()["stage"], "load");
+}
+
+/// Two walls that a table drives through each other: exit code 3, with the place of their stage.
+#[test]
+fn walls_that_would_pass_each_other_have_a_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("meet.ron");
+    let text = r#"(version: 1, title: "t",
+        materials: { "m": (contact: (normal_stiffness: 1e6)) },
+        specimen: Particles([(position: (0.5, 0.5), radius: 0.5)]),
+        walls: [
+            (name: "bottom", start: (0.0, 0.0), end: (1.0, 0.0), contact: (normal_stiffness: 1e3)),
+            (name: "top", start: (1.0, 1.0), end: (0.0, 1.0), contact: (normal_stiffness: 1e3)),
+        ],
+        stages: [
+            Load(name: "rest", increments: 1),
+            Load(name: "meet", increments: 2, walls: { "top": Follow(Displacement([(0.0, 0.0, 0.0), (1.0, 0.0, -3.0)])) }),
+        ])"#;
+    fs::write(&path, text).unwrap();
+    let (stopped, out) = run(path.to_str().unwrap(), &["--quiet"]);
+    let said = stderr(&stopped.code(3));
+    let place = out.path().join("scene.ron");
+    let place = format!("{}:10:13: stages[1]: in stage `meet`: ", place.display());
+    assert!(said.contains(&place) && said.contains("would meet or pass each other"), "{said}");
+}
