@@ -7,7 +7,6 @@
 
 mod choose;
 mod columns;
-mod contacts;
 mod movie;
 mod run;
 mod scales;
@@ -24,10 +23,8 @@ use super::atomic::write_atomic;
 
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("page.css"), include_str!("page_parts.css")];
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("page_data.js"),
-    include_str!("page_mesh.js"),
-    include_str!("page_strain.js"),
     include_str!("page_chart.js"),
     include_str!("page_curves.js"),
     include_str!("page_roses.js"),
