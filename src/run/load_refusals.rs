@@ -3,9 +3,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, BodyPosition, LoadControl};
-use clastic_components::particle::Particle;
-use clastic_components::wall::{LoadedLength, WallControl, WallName};
+use clastic_components::prelude::*;
 
 use super::select::selected;
 use super::touching::placed;
