@@ -136,12 +136,6 @@ impl LoadControl {
     pub fn constant(loads: [f64; 3]) -> Self {
         Self(loads.map(|load| (load, load)))
     }
-
-    /// Changes the values at the end of the stage and keeps the current values
-    /// ([`ClasticProgress::retarget`](crate::increment::ClasticProgress::retarget)).
-    pub fn retarget(self, progress: &crate::increment::ClasticProgress, targets: [f64; 3]) -> Self {
-        Self(std::array::from_fn(|k| progress.retarget(self.0[k].0, self.0[k].1, targets[k])))
-    }
 }
 
 /// Force (x, y; N) and moment (N m) of the outside world on the body in the last committed

@@ -27,6 +27,7 @@ pub mod motion;
 pub mod observation;
 pub mod particle;
 pub mod poured;
+pub mod prelude;
 pub mod progress;
 pub mod rigid_group;
 pub mod rows;

@@ -29,12 +29,6 @@ impl Membrane {
     pub fn ramp(&self, progress: &ClasticProgress) -> Ramp {
         progress.ramp(self.pressure.0, self.pressure.1)
     }
-
-    /// Changes the target at the end of the stage. The pressure continues from the value that it
-    /// has reached.
-    pub fn retarget(&mut self, progress: &ClasticProgress, target: f64) {
-        self.pressure = progress.retarget(self.pressure.0, self.pressure.1, target);
-    }
 }
 
 /// Where a membrane lies.
@@ -316,20 +310,5 @@ mod tests {
         let closed = MembraneShape { chains: vec![square], ..Default::default() };
         assert_eq!((closed.area(), closed.width(), closed.grains()), (Some(1.0), None, 4));
         assert_eq!(closed.links().count(), 4);
-    }
-
-    #[test]
-    fn a_new_target_is_approached_from_the_pressure_that_is_reached() {
-        let mut progress = ClasticProgress { done: 5.0, total: 20.0, ..ClasticProgress::default() };
-        let mut membrane = Membrane {
-            name: String::new(),
-            pressure: (0.0, 200.0),
-            course: Course::Closed,
-            ball: None,
-        };
-        membrane.retarget(&progress, 80.0);
-        assert!((membrane.ramp(&progress).from - 50.0).abs() < 1e-12);
-        progress.done = 19.0;
-        assert_eq!(membrane.ramp(&progress).to, 80.0);
     }
 }

@@ -114,7 +114,7 @@ impl ClasticProgress {
     /// another target. With `s = done/total` it starts at `(now - target s)/(1 - s)`. After the
     /// stage, without one, and on a [`course`](Self::course), the load is at the new target from the
     /// next increment on.
-    pub fn retarget(&self, from: f64, to: f64, target: f64) -> (f64, f64) {
+    pub fn retarget(&self, (from, to): (f64, f64), target: f64) -> (f64, f64) {
         let s = self.part(self.done);
         let now = self.ramp(from, to).from;
         if !self.course.is_empty() {
@@ -155,7 +155,7 @@ mod tests {
                 assert!((ramp.from - now).abs() + (ramp.to - now - to).abs() < 1e-12, "{ramp:?}");
             }
         }
-        assert_eq!(progress.retarget(10.0, 20.0, 7.0), (7.0, 7.0));
+        assert_eq!(progress.retarget((10.0, 20.0), 7.0), (7.0, 7.0));
     }
 
     /// A stage of 46 commits once ended at 192.8 of 200 kPa.
@@ -217,7 +217,7 @@ mod tests {
     #[test]
     fn without_a_stage_a_load_gets_its_new_target_at_once() {
         let progress = ClasticProgress::default();
-        assert_eq!(progress.retarget(0.0, 5.0, 8.0), (8.0, 8.0));
+        assert_eq!(progress.retarget((0.0, 5.0), 8.0), (8.0, 8.0));
         assert_eq!(progress.part(0.0), 1.0);
         assert_eq!(ClasticProgress { total: 4.0, ..progress }.part(1.0), 0.25);
     }

@@ -129,15 +129,6 @@ impl WallControl {
             _ => None,
         }
     }
-
-    /// Changes the value at the end of the stage and keeps the current value
-    /// ([`ClasticProgress::retarget`]). Controls without a load do not change.
-    pub fn retarget(mut self, progress: &ClasticProgress, target: f64) -> Self {
-        if let Self::Force { from, to } | Self::Stress { from, to, .. } = &mut self {
-            (*from, *to) = progress.retarget(*from, *to, target);
-        }
-        self
-    }
 }
 
 /// The quantity of a [`WallTable`].

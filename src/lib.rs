@@ -88,7 +88,7 @@ impl ClasticPlugins {
 
 impl PluginGroup for ClasticPlugins {
     fn build(self) -> PluginGroupBuilder {
-        let engine = PluginGroupBuilder::start::<Self>()
+        PluginGroupBuilder::start::<Self>()
             .add(systems::schedule::SchedulePlugin)
             .add(systems::stepping::SteppingPlugin { schedule: self.schedule })
             .add(systems::assign_identities::AssignIdentitiesPlugin)
@@ -105,10 +105,7 @@ impl PluginGroup for ClasticPlugins {
             .add(systems::links::LinksPlugin)
             .add(systems::record::RecordPlugin)
             .add(systems::announce::AnnouncePlugin)
-            .add(systems::material_names::MaterialNamesPlugin);
-        #[cfg(feature = "reflect")]
-        let engine = engine.add(systems::reflect::ReflectPlugin);
-        engine
+            .add(systems::material_names::MaterialNamesPlugin)
     }
 }
 

@@ -5,13 +5,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::BodyId;
-use clastic_components::bond::{BondBroken, Rupture};
-use clastic_components::collision::{BodyHit, Collision};
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 
 use crate::identities::IdentityTable;
 use crate::state::{RegisterState, StateOf};

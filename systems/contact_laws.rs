@@ -1,9 +1,7 @@
 //! The law of a contact, and what is left of the forces of a bond where it has broken.
 
 use bevy_ecs::prelude::*;
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::material::{ContactLaw, Materials};
+use clastic_components::prelude::*;
 
 /// What the laws of contacts in an increment follow from.
 #[derive(Clone, Copy)]

@@ -5,13 +5,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{AppliedLoad, BodyId, BodyPosition, LoadControl, Ramp};
-use clastic_components::contact::BodyTable;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::wall::{
-    LoadedLength, TableOf, Wall, WallControl, WallDrive, WallName, WallRotation, WallSlide,
-    WallTable,
-};
+use clastic_components::prelude::*;
 use glam::DVec2;
 
 use crate::schedule::{

@@ -4,20 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{
-    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
-    BodyPosition, BodyRotation, BodyVelocity, LastMotion,
-};
-use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{BodyTable, BondRow, WallRow};
-use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
-use clastic_components::link::Link;
-use clastic_components::material::ContactLaw;
-use clastic_components::particle::{MaterialIndex, Particle, SetAside};
-use clastic_components::rigid_group::{ContactForce, RigidGroup};
-use clastic_components::wall::{Wall, WallControl, WallDrive, WallName, WallRotation};
-use clastic_components::wall_shape::WallShape;
+use clastic_components::prelude::*;
 
 use crate::check_values::check_values;
 use crate::links;

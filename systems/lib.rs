@@ -28,8 +28,8 @@ mod moved;
 mod passing_walls;
 mod places;
 pub mod record;
-#[cfg(feature = "reflect")]
-pub mod reflect;
+#[cfg(all(test, feature = "reflect"))]
+mod reflect;
 pub mod rigid_groups;
 pub mod rupture;
 pub mod schedule;

@@ -9,12 +9,7 @@ use bevy_ecs::world::DeferredWorld;
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyDrive, BodyId, BodyPosition, BodyRotation};
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::link::{Link, LinkBetween, LinkKind, LinkRow};
-use clastic_components::particle::Particle;
-use clastic_components::wall::{Wall, WallRotation};
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, Limits};
 
 use crate::assemble_program::scales::free_translations;

@@ -2,11 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::LoadControl;
-use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::increment::ClasticProgress;
-use clastic_components::membrane::Membrane;
-use clastic_components::wall::WallControl;
+use clastic_components::prelude::*;
 
 /// Begins a stage of this number of increments. Loads on particles and rigid groups, forces and
 /// stresses of walls, pressures of membranes and stresses of a periodic cell start from the values

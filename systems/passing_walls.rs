@@ -4,9 +4,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::{BodyTable, WallRow};
-use clastic_components::increment::ClasticProgress;
-use clastic_components::wall::WallDrive;
+use clastic_components::prelude::*;
 
 use crate::schedule::ClasticHalted;
 

@@ -5,21 +5,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
-use clastic_components::body::{
-    BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation, Probe,
-};
-use clastic_components::bond::BondState;
-use clastic_components::findings::{Corrections, EventSearch, Ruptures, Sliding};
-use clastic_components::increment::{ClasticProgress, RuptureOrder, RuptureRules};
-use clastic_components::measure::{
-    CrackSums, NamedMeasures, Readings, StrainPath, StrainReference,
-};
-use clastic_components::observation::{
-    Measures, Observation, ProbeReading, RuptureCount, StrainMeasure, StressMeasure,
-};
-use clastic_components::rigid_group::ContactForce;
-use clastic_components::wall::WallRotation;
+use clastic_components::prelude::*;
 
 use crate::gather_bodies::gather_bodies;
 use crate::measures::cracks::follow_cracks;

@@ -4,9 +4,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{AppliedLoad, BodyDrives, BodyId, BodyPosition, LastMotion};
-use clastic_components::contact::BodyTable;
-use clastic_components::rigid_group::{GroupRow, RigidGroup};
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 /// What the row of a rigid group follows from, besides its members.

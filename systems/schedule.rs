@@ -13,11 +13,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
-use clastic_components::attempt::Attempt;
-use clastic_components::contact_history::KeptRows;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::loads::TrialLoads;
-use clastic_components::observation::Timings;
+use clastic_components::prelude::*;
 
 use crate::state::RegisterState;
 

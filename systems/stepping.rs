@@ -10,10 +10,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel};
 use bevy_time::{Fixed, Time};
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::particle::Particle;
-use clastic_components::wall::Wall;
+use clastic_components::prelude::*;
 
 use crate::mechanism::proof;
 pub use crate::schedule::ClasticHalted;

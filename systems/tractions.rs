@@ -4,11 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, LoadControl};
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::membrane::{Membrane, MembraneShape};
-use clastic_components::rigid_group::RigidGroup;
-use clastic_components::wall::{WallControl, WallName};
+use clastic_components::prelude::*;
 use clastic_cone::program::Interaction;
 
 use crate::gather_bodies::gather_bodies;

@@ -13,11 +13,7 @@
 //! At a wall the normal turns with the wall, and at an arc or an end of a wall with x to the centre of
 //! the circle.
 
-use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::findings::Corrections;
-use clastic_components::increment::Acceptance;
-use clastic_components::wall_shape::Curve;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeSolution, Interaction};
 use glam::DVec2;
 

@@ -1,9 +1,6 @@
 //! Contacts and bonds of a frame.
 
-use clastic_components::body::BodyId;
-use clastic_components::bond::BondState;
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::contact_history::{ContactHistory, ContactMemory, KeptRows};
+use clastic_components::prelude::*;
 use clastic_systems::detect_contacts::gaps::{pair_contact, wall_contact};
 use clastic_systems::measures::fragments::connected;
 

@@ -1,7 +1,5 @@
 //! Strains of the disks between two frames.
 
-use std::collections::BTreeMap;
-
 use glam::{DMat2, DVec2};
 
 use super::Frame;
@@ -55,7 +53,7 @@ pub fn strains(now: &[Disk], from: &[Disk]) -> Vec<Option<Strain>> {
     let corners =
         before.iter().enumerate().filter_map(|(row, d)| d.map(|d| (row, d.position, d.radius)));
     // Sum of area times strain (xx, yy, xy) and of the areas, by row.
-    let mut sums: BTreeMap<usize, [f64; 4]> = BTreeMap::new();
+    let mut sums = vec![[0.0; 4]; now.len()];
     for rows in triangles(corners) {
         let [Some(a), Some(b), Some(c)] = rows.map(|row| before[row]) else { continue };
         let [Some(u), Some(v), Some(w)] = rows.map(moved) else { continue };
@@ -68,18 +66,16 @@ pub fn strains(now: &[Disk], from: &[Disk]) -> Vec<Option<Strain>> {
         let [xx, yx] = gradient.x_axis.to_array();
         let [xy, yy] = gradient.y_axis.to_array();
         for row in rows {
-            let sum = sums.entry(row).or_default();
-            for (sum, value) in sum.iter_mut().zip([-xx, -yy, -0.5 * (xy + yx), 1.0]) {
+            for (sum, value) in sums[row].iter_mut().zip([-xx, -yy, -0.5 * (xy + yx), 1.0]) {
                 *sum += area * value;
             }
         }
     }
-    let strain = |row: usize| {
-        let [xx, yy, xy, area] = *sums.get(&row)?;
+    let strain = |[xx, yy, xy, area]: [f64; 4]| {
         let [xx, yy, xy] = [xx / area, yy / area, xy / area];
-        Some(Strain { volumetric: xx + yy, shear: (xx - yy).hypot(2.0 * xy) })
+        (area > 0.0).then(|| Strain { volumetric: xx + yy, shear: (xx - yy).hypot(2.0 * xy) })
     };
-    (0..now.len()).map(strain).collect()
+    sums.into_iter().map(strain).collect()
 }
 
 #[cfg(test)]

@@ -4,16 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::body::{BodyExternalForce, BodyOrigin, Group};
-use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::BodyTable;
-use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::material::Materials;
-use clastic_components::membrane::{Membrane, MembraneShape};
-use clastic_components::observation::Observation;
-use clastic_components::wall::{Wall, WallName};
+use clastic_components::prelude::*;
 
 use super::{Frame, FrameBodies, FrameMembranes, FrameWalls, NONE, pairs};
 

@@ -14,12 +14,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::bond::Rupture;
-use clastic_components::cell::PeriodicCell;
-use clastic_components::energy::EnergyLedger;
-use clastic_components::findings::{Corrections, EventSearch};
-use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 use clastic_cone::program::Dof;
 use clastic_systems::measures::elastic_energy_left;
 use clastic_systems::solved::SolvedTables;

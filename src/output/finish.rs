@@ -2,9 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::BodyTable;
-use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 
 use super::avalanches::{CurrentAvalanche, Ended};
 use super::drive::PeakForce;

@@ -7,10 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::body::{BodyOrigin, BodyRotation};
-use clastic_components::contact::BodyTable;
-use clastic_components::material::Materials;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 use clastic_systems::gather_bodies::gather_bodies;
 
 use super::atomic::write_atomic;

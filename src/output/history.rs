@@ -8,10 +8,7 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::*;
 use indexmap::IndexSet;
 
-use clastic_components::attempt::IncrementStatus;
-use clastic_components::energy::EnergyLedger;
-use clastic_components::measure::Readings;
-use clastic_components::observation::{Observation, ProbeReading};
+use clastic_components::prelude::*;
 
 use super::OutputError;
 use super::csv_file::{self, Column, Field, Row, names};

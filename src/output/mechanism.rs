@@ -2,9 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::IncrementStatus;
-use clastic_components::contact::BodyTable;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::csv_file::Row;

@@ -2,9 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::IncrementStatus;
-use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 
 use crate::run::stages::Script;
 use crate::scene::format::Stage;

@@ -4,10 +4,8 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::BodyTable;
 use clastic_components::domain::RESIDUAL;
-use clastic_components::findings::Sliding;
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ConeSolution, SolveStatus};
 use clastic_systems::assemble_program::known_pairs::{Forced, forced};
 

@@ -5,13 +5,7 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, BodyOrigin, BodyPosition};
-use clastic_components::bond::Bond;
-use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::increment::ClasticProgress;
-use clastic_components::measure::StrainReference;
-use clastic_components::particle::Particle;
+use clastic_components::prelude::*;
 
 use crate::scene::format as scene;
 

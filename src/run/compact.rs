@@ -12,16 +12,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::body::{
-    BodyAngularVelocity, BodyExternalForce, BodyId, BodyPosition, BodyVelocity, LastMotion,
-};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::BodyTable;
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::particle::Particle;
-use clastic_components::wall::{Wall, WallControl};
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeSolution, SolveStatus};
 use clastic_systems::stepping::{IncrementDue, IncrementUndone};
 

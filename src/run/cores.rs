@@ -4,11 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::BodyId;
-use clastic_components::bond::{Bond, BondState};
-use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::particle::Particle;
-use clastic_components::rigid_group::RigidGroup;
+use clastic_components::prelude::*;
 
 /// The largest k for which each particle belongs to a part of the specimen in which every particle has
 /// k neighbours or more (its core number). Neighbours have an intact bond or a contact that carries

@@ -3,9 +3,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::LoadControl;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::wall::{TableOf, WallControl, WallSlide, WallTable};
+use clastic_components::prelude::*;
 
 use super::script::Script;
 use super::settings::analysis;

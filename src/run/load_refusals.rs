@@ -3,8 +3,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, BodyPosition, LoadControl};
-use clastic_components::particle::Particle;
+use clastic_components::prelude::*;
 use glam::DVec2;
 
 use super::select::selected;

@@ -4,11 +4,7 @@ use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, BodyPosition};
-use clastic_components::contact::BodyTable;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::membrane::{Course, Membrane};
-use clastic_components::wall::{Wall, WallControl};
+use clastic_components::prelude::*;
 use clastic_systems::control_walls::loaded_length;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::membranes::{find_shape, renew_shapes};

@@ -2,9 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyDrive, BodyDrives, BodyPosition, LoadControl};
-use clastic_components::increment::ClasticAnalysis;
-use clastic_components::particle::Particle;
+use clastic_components::prelude::*;
 
 use super::select::selected;
 use crate::scene::format as scene;

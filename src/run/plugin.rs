@@ -4,9 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
-use clastic_components::body::{BodyId, Group};
-use clastic_components::poured::Poured;
-use clastic_components::wall::WallName;
+use clastic_components::prelude::*;
 use clastic_systems::schedule::{
     AttemptIncrement, AttemptSystems, Increment, IncrementSystems, committed,
 };

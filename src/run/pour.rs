@@ -6,10 +6,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyOrigin, BodyPosition, BodyVelocity, Group};
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::particle::{MaterialIndex, Particle};
-use clastic_components::poured::Poured;
+use clastic_components::prelude::*;
 
 use super::laws::material_of;
 use super::pour_room::Room;

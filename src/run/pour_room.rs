@@ -3,10 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::BodyPosition;
-use clastic_components::particle::Particle;
-use clastic_components::wall::Wall;
-use clastic_components::wall_shape::WallShape;
+use clastic_components::prelude::*;
 
 use super::random::Random;
 use super::wall_pieces::Piece;

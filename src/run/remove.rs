@@ -4,10 +4,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::BodyId;
-use clastic_components::cell::PeriodicCell;
-use clastic_components::particle::Particle;
-use clastic_components::rigid_group::RigidGroup;
+use clastic_components::prelude::*;
 
 use clastic_systems::tractions::{keep_tractions, loosened_wall, membrane_on};
 

@@ -6,14 +6,7 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyId, BodyPosition};
-use clastic_components::measure::{
-    CrackSums, NamedMeasures, Quantity, StrainPath, StrainReference,
-};
-use clastic_components::observation::{
-    MeasureArea, MeasureLength, Measures, StrainMeasure, StressMeasure,
-};
-use clastic_components::particle::Particle;
+use clastic_components::prelude::*;
 use glam::DVec2;
 
 use super::load_refusals::selects_none;

@@ -3,14 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{
-    BodyAngularVelocity, BodyDrive, BodyDrives, BodyExternalForce, BodyId, BodyOrigin,
-    BodyPosition, BodyRotation, BodyVelocity, LoadControl, Probe,
-};
-use clastic_components::increment::ClasticAnalysis;
-use clastic_components::particle::Particle;
-use clastic_components::rigid_group::RigidGroup;
-use clastic_components::wall::{WallControl, WallName, WallRotation, WallSlide, WallTable};
+use clastic_components::prelude::*;
 use clastic_systems::rigid_groups::{Member, State};
 
 use super::particle_controls::drive;

@@ -5,9 +5,7 @@ use std::collections::BTreeMap;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, BodyPosition, Group, Probe};
-use clastic_components::material::Materials;
-use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_components::prelude::*;
 
 use super::cores::cores;
 use super::script::Script;

@@ -5,14 +5,7 @@ use std::collections::BTreeMap;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{
-    BodyAngularVelocity, BodyId, BodyOrigin, BodyPosition, BodyVelocity, Group, Probe,
-};
-use clastic_components::energy::EnergyLedger;
-use clastic_components::membrane::Membrane;
-use clastic_components::observation::{Measures, Observation};
-use clastic_components::particle::{MaterialIndex, Particle};
-use clastic_components::wall::Wall;
+use clastic_components::prelude::*;
 use clastic_systems::identities::{IdentityTable, NextIdentities};
 use clastic_systems::state::StateError;
 use clastic_systems::stepping::{ClasticHalted, EndOfRun};

@@ -2,12 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyId, LoadControl};
-use clastic_components::contact::BodyTable;
-use clastic_components::contact_history::KeptRows;
-use clastic_components::increment::ClasticProgress;
-use clastic_components::measure::{NamedMeasures, Readings};
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 use clastic_systems::gather_bodies::gather_bodies;
 use clastic_systems::material_names::{MATERIALS, MaterialNames};
 use clastic_systems::measures::{NAMED, NamedState};

@@ -2,13 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, IncrementStatus};
-use clastic_components::body::BodyVelocity;
-use clastic_components::findings::Corrections;
-use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Observation;
-use clastic_components::particle::SetAside;
-use clastic_components::poured::Poured;
+use clastic_components::prelude::*;
 use clastic_systems::mechanism::proof;
 use clastic_systems::rupture::dense::is_unsettled;
 use clastic_systems::stepping::{EndOfRun, StoppedBy};

@@ -7,10 +7,7 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::analysis::ClasticAnalysis;
-use clastic_components::attempt::Attempt;
-use clastic_components::increment::ClasticProgress;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 use clastic_systems::state::{StateOf, WorldState};
 use clastic_systems::stepping::{ClasticHalted, IncrementDue, IncrementUndone};
 

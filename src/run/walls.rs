@@ -3,9 +3,7 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyId, BodyOrigin, BodyPosition, Probe};
-use clastic_components::wall::{LoadedLength, WallName};
-use clastic_components::wall_shape::WallShape;
+use clastic_components::prelude::*;
 
 use super::laws::contact_law;
 use super::touching::placed;

@@ -2,16 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{
-    BodyExternalForce, BodyId, BodyOrigin, BodyPosition, BodyRotation, Group, Probe,
-};
-use clastic_components::bond::{Bond, BondId, BondState};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::BodyTable;
-use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::material::BondLaw;
-use clastic_components::rigid_group::{ContactForce, RigidGroup};
-use clastic_components::wall::WallName;
+use clastic_components::prelude::*;
 use glam::DVec2;
 
 use crate::frames::NONE;

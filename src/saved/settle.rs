@@ -1,10 +1,7 @@
 //! What a later run does not go on with: the place in a stage, and what ends with a stage.
 
-use clastic_components::body::{BodyId, LoadControl};
-use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::energy::{Changed, EnergyLedger};
-use clastic_components::increment::ClasticProgress;
-use clastic_components::wall::{TableOf, WallControl, WallDrive};
+use clastic_components::energy::Changed;
+use clastic_components::prelude::*;
 use clastic_systems::gather_bodies::PERIODIC_CELL;
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
 use clastic_systems::schedule::PROGRESS;

@@ -9,9 +9,7 @@ use std::sync::Arc;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::{BodyId, Group, Probe};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::particle::{MaterialIndex, Particle};
+use clastic_components::prelude::*;
 use clastic_systems::gather_bodies::PERIODIC_CELL;
 use clastic_systems::state::{StateError, WorldState};
 

@@ -6,12 +6,7 @@
 
 use glam::DVec2;
 
-use clastic_components::body::BodyDrive;
-use clastic_components::cell::CellControl;
-use clastic_components::contact::{BodyTable, WallRow};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::loads::AddedLoad;
-use clastic_components::wall::WallDrive;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, ProgramBody};
 
 use super::Trial;

@@ -1,11 +1,7 @@
 //! The deformation of a periodic cell in the program: a body with the change of its width, of its
 //! height and its shear as degrees of freedom, of which each is imposed or free under a stress.
 
-use clastic_components::body::Ramp;
-use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::BodyTable;
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
 
 use super::balance::Rows;

@@ -1,10 +1,7 @@
 //! Rigid groups in the program: the forces on members act on the body of the group, with arms about
 //! its centre. The rows of members are those of bodies whose motion is known.
 
-use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::rigid_group::GroupRow;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction, ProgramBody};
 use glam::DVec2;
 

@@ -13,10 +13,7 @@
 //! program is the average over the increment. A rigid interaction keeps g, so that it does not
 //! penetrate at the end.
 
-use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, BondRow, Contact};
-use clastic_components::findings::Pushed;
-use clastic_components::increment::AnalysisKind;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Interaction, Limits};
 
 use super::Trial;

@@ -15,13 +15,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use clastic_components::attempt::Attempt;
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::contact_history::DraftHistory;
-use clastic_components::findings::{Centre, Corrections, EventSearch, Impacts, Pushed};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::loads::TrialLoads;
-use clastic_components::material::Materials;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ProgramCell};
 
 use crate::impacts::rebounds::{assemble_rebounds, has_restitution};

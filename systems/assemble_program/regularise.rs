@@ -6,10 +6,7 @@
 //! over displacement scale, so that its force on a body that is pushed after all stays far below
 //! the tolerance. The residuals count this force as an error of the balance.
 
-use clastic_components::attempt::{Effort, Mode};
-use clastic_components::findings::Bearing;
-use clastic_components::increment::{Acceptance, AnalysisKind};
-use clastic_components::motion::Motion;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Dof};
 
 use super::Trial;

@@ -4,9 +4,7 @@
 
 use glam::DVec2;
 
-use clastic_components::body::BodyDrive;
-use clastic_components::contact::BodyTable;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, FreeDof, Interaction, ProgramBody, Scales};
 
 use super::Trial;

@@ -10,9 +10,7 @@
 //! of a convex program. Followed motions cover this case. Rigid groups have their own
 //! stiffness, in `groups`.
 
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::increment::AnalysisKind;
-use clastic_components::wall_shape::Curve;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Interaction, Limits};
 use glam::DVec2;
 

@@ -3,11 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyId, BodyPosition};
-use clastic_components::bond::{Bond, Joint};
-use clastic_components::particle::Particle;
-use clastic_components::wall::Wall;
-use clastic_components::wall_shape::WallShape;
+use clastic_components::prelude::*;
 
 use super::IdentityError;
 

@@ -10,13 +10,7 @@ use bevy_ecs::lifecycle::{ComponentHooks, HookContext};
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
-use clastic_components::body::{BodyId, BodyOrigin, BodyPosition};
-use clastic_components::bond::{Bond, BondId, BondState, Joint};
-use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::link::Link;
-use clastic_components::particle::Particle;
-use clastic_components::rigid_group::RigidGroup;
-use clastic_components::wall::Wall;
+use clastic_components::prelude::*;
 
 use crate::identities::{IdentityTable, NEXT_IDENTITIES};
 use crate::state::{RegisterState, despawn_if};

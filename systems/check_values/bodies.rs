@@ -1,14 +1,7 @@
 //! Particles, walls and rigid groups in the tables.
 
-use clastic_components::body::{BodyDrive, Ramp};
-use clastic_components::cell::{CellControl, PeriodicCell};
-use clastic_components::contact::{BodyTable, WallRow};
 use clastic_components::domain::{PLACE, RADIUS, SPIN, VELOCITY};
-use clastic_components::increment::ClasticAnalysis;
-use clastic_components::particle::Particle;
-use clastic_components::rigid_group::GroupRow;
-use clastic_components::wall::WallDrive;
-use clastic_components::wall_shape::WallShape;
+use clastic_components::prelude::*;
 
 use super::bad::{Bad, bad, finite, not_negative, outside};
 use super::laws;

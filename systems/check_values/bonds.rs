@@ -2,9 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::BodyId;
-use clastic_components::bond::{BondId, BondState};
-use clastic_components::contact::{BodyTable, BondRow};
+use clastic_components::prelude::*;
 
 use super::bad::{Bad, finite};
 use super::laws;

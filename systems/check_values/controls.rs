@@ -1,8 +1,6 @@
 //! Controls of walls, which have no effect where what they refer to is missing.
 
-use clastic_components::increment::AnalysisKind;
-use clastic_components::rows::WallRow;
-use clastic_components::wall::{WallControl, WallDrive, WallSlide, WallTable};
+use clastic_components::prelude::*;
 
 use super::bad::{Bad, finite};
 

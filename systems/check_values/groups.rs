@@ -2,10 +2,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{BodyDrive, BodyId};
-use clastic_components::contact::BodyTable;
-use clastic_components::increment::AnalysisKind;
-use clastic_components::rigid_group::RigidGroup;
+use clastic_components::prelude::*;
 
 use super::bad::Bad;
 

@@ -2,10 +2,8 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::bond::{Bond, BondState};
-use clastic_components::contact::BodyTable;
 use clastic_components::domain::{COMPLIANCE, PLACE};
-use clastic_components::link::{Link, LinkKind};
+use clastic_components::prelude::*;
 
 use super::bad::{self, Bad, outside};
 use crate::gather_bodies::BondData;

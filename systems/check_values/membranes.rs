@@ -2,10 +2,8 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::BodyId;
-use clastic_components::contact::BodyTable;
 use clastic_components::domain::RADIUS;
-use clastic_components::membrane::{Course, Membrane};
+use clastic_components::prelude::*;
 
 use super::bad::{Bad, not_negative, outside};
 

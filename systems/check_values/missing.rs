@@ -5,15 +5,7 @@ use bevy_ecs::archetype::Archetypes;
 use bevy_ecs::component::Components;
 use bevy_ecs::prelude::*;
 
-use clastic_components::body::{
-    AppliedLoad, BodyAngularVelocity, BodyDrives, BodyExternalForce, BodyPosition, BodyRotation,
-    BodyVelocity, LastMotion, LoadControl,
-};
-use clastic_components::bond::{Bond, BondState};
-use clastic_components::material::ContactLaw;
-use clastic_components::particle::{MaterialIndex, Particle};
-use clastic_components::rigid_group::{ContactForce, RigidGroup};
-use clastic_components::wall::{Wall, WallControl, WallDrive, WallSlide, WallTable};
+use clastic_components::prelude::*;
 
 use super::bad::Bad;
 

@@ -21,14 +21,7 @@ use bevy_ecs::prelude::*;
 
 use crate::gather_bodies::BondData;
 use crate::schedule::ClasticHalted;
-use clastic_components::body::BodyId;
-use clastic_components::contact::{BodyTable, WallRow};
-use clastic_components::link::Link;
-use clastic_components::material::Materials;
-use clastic_components::membrane::Membrane;
-use clastic_components::particle::Particle;
-use clastic_components::rigid_group::{GroupRow, RigidGroup};
-use clastic_components::wall::{WallName, WallSlide, WallTable};
+use clastic_components::prelude::*;
 
 pub(crate) use self::loads::refused_load;
 use self::settings::Settings;

@@ -7,9 +7,7 @@ use clastic_components::domain::{
     AGITATION, BRITTLENESS, DENSITY_OF_RUPTURES, FACTOR, GRAVITY, MOTION_STEP, OVERLOAD, PART,
     RESIDUAL, THETA, THICKNESS, TIME_STEP, TURN,
 };
-use clastic_components::increment::{
-    Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress, FrictionLaw, RuptureRules,
-};
+use clastic_components::prelude::*;
 
 use super::bad::{Bad, finite, not_negative, outside};
 

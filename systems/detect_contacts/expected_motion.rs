@@ -2,10 +2,7 @@
 
 use glam::DVec2;
 
-use clastic_components::contact::{BodyTable, WallRow};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::rigid_group::GroupRow;
-use clastic_components::wall::WallDrive;
+use clastic_components::prelude::*;
 
 /// Gap up to which a pair takes part, over the expected relative displacement of the pair.
 ///

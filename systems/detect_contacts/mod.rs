@@ -18,10 +18,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
-use clastic_components::findings::AddedPairs;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
+use clastic_components::prelude::*;
 
 use crate::detect_contacts::candidates::CandidatePairs;
 use crate::detect_contacts::gaps::{pair_contact, wall_contact, wall_gap};

@@ -16,12 +16,7 @@
 
 use glam::DVec2;
 
-use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::findings::{Correction, Corrections};
-use clastic_components::rigid_group::GroupRow;
-use clastic_components::wall::WallDrive;
-use clastic_components::wall_shape::Curve;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Interaction};
 
 use crate::assemble_program::groups::{self, Turning};

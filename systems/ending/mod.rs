@@ -29,11 +29,7 @@ mod mixing;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::WallRow;
-use clastic_components::findings::{Corrections, Guesses};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::wall_shape::WallShape;
+use clastic_components::prelude::*;
 use clastic_cone::condensed::response::LinearResponse;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction, ProgramBody};
 use clastic_cone::residuals::force_scale;

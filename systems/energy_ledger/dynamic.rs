@@ -3,9 +3,7 @@
 
 use glam::DVec2;
 
-use clastic_components::body::BodyDrive;
-use clastic_components::energy::Energies;
-use clastic_components::rigid_group::GroupRow;
+use clastic_components::prelude::*;
 use clastic_cone::program::ConeProgram;
 
 use super::BookedBody;

@@ -2,13 +2,8 @@
 
 use glam::DVec2;
 
-use clastic_components::body::Ramp;
-use clastic_components::bond::BondId;
-use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::Contact;
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies};
-use clastic_components::findings::Corrections;
+use clastic_components::energy::Changed;
+use clastic_components::prelude::*;
 use clastic_cone::program::{Interaction, Kinematics};
 
 use crate::contact_laws::{Laws, moment_after_rupture, shear_after_rupture};

@@ -47,14 +47,8 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use clastic_components::body::{
-    BodyAngularVelocity, BodyExternalForce, BodyId, BodyPosition, BodyVelocity,
-};
-use clastic_components::contact_history::{ContactHistory, DraftHistory, KeptRows};
-use clastic_components::energy::{Changed, Energies, EnergyLedger, MotionEnergies, Released};
-use clastic_components::findings::{Corrections, Ruptures};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::material::Materials;
+use clastic_components::energy::Changed;
+use clastic_components::prelude::*;
 use glam::DVec2;
 
 use self::dynamic::book_bodies;

@@ -3,10 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::bond::Rupture;
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::energy::{Energies, MotionEnergies};
-use clastic_components::increment::ClasticProgress;
+use clastic_components::prelude::*;
 use clastic_cone::program::Dof;
 
 use super::dynamic::turned_work;

@@ -2,10 +2,7 @@
 
 use glam::DVec2;
 
-use clastic_components::body::Ramp;
-use clastic_components::contact::{BodyTable, WallRow};
-use clastic_components::energy::{Energies, Released};
-use clastic_components::wall::WallDrive;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Dof, Interaction};
 
 use super::dynamic::turned_work;

@@ -2,10 +2,7 @@
 
 use glam::DVec2;
 
-use clastic_components::body::BodyDrive;
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::wall::WallDrive;
-use clastic_components::wall_shape::Curve;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Dof, FreeDof, Interaction};
 
 /// Velocity at the start (m/s) and acceleration by the loads (m/s^2) of a body.

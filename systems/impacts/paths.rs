@@ -20,10 +20,7 @@ use std::borrow::Cow;
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
-use clastic_components::body::BodyDrive;
-use clastic_components::contact::Contact;
-use clastic_components::findings::{Impacts, Pushed};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::prelude::*;
 use clastic_cone::program::{Dof, Interaction};
 use glam::DVec2;
 

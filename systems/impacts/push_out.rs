@@ -8,10 +8,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::Pushed;
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis};
+use clastic_components::prelude::*;
 use clastic_cone::program::ConeProgram;
 
 use crate::solved::{Solved, SolvedTables};

@@ -11,9 +11,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::findings::{Impacts, Reached};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, Dof, Interaction, ProgramBody};
 use clastic_cone::residuals::Carrying;
 

@@ -26,10 +26,7 @@
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::findings::{Impact, Impacts, Pushed, Reached};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::material::Materials;
+use clastic_components::prelude::*;
 use clastic_cone::program::ConeProgram;
 
 use super::hits::{Approach, Motion};

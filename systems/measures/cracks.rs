@@ -3,9 +3,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::contact::BodyTable;
-use clastic_components::measure::{CrackPart, CrackSum, CrackSums, Modes};
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 
 use super::principal::axis;
 

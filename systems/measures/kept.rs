@@ -4,13 +4,7 @@
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyAngularVelocity, BodyId, BodyVelocity, LastMotion};
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::contact_history::{ContactHistory, KeptRows};
-use clastic_components::measure::Quantity;
-use clastic_components::membrane::{Membrane, MembraneShape};
-use clastic_components::observation::Measures;
-use clastic_components::particle::Particle;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ConeSolution, Interaction};
 
 use super::EndTables;

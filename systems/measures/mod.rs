@@ -18,16 +18,7 @@ use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::contact::BodyTable;
-use clastic_components::findings::Corrections;
-use clastic_components::measure::{
-    CrackSums, ForceComponent, GrainAmount, MembraneValue, Modes, NamedMeasures, Quantity,
-    Readings, StrainPath,
-};
-use clastic_components::membrane::MembraneShape;
-use clastic_components::observation::{MeasureArea, Observation};
-use clastic_components::particle::Particle;
-use clastic_components::poured::Poured;
+use clastic_components::prelude::*;
 use clastic_cone::program::Interaction;
 use clastic_cone::residuals::Carrying;
 

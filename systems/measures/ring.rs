@@ -5,9 +5,7 @@ use std::f64::consts::TAU;
 use bevy_ecs::prelude::*;
 use glam::DVec2;
 
-use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition};
-use clastic_components::measure::RingValue;
-use clastic_components::particle::Particle;
+use clastic_components::prelude::*;
 
 /// Identity, place and external force of a particle.
 pub(super) type ParticleForce =

@@ -4,17 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
-use clastic_components::body::{BodyId, BodyPosition};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::BodyTable;
-use clastic_components::measure::{NamedMeasures, Quantity, StrainPath, StrainReference};
-use clastic_components::membrane::MembraneShape;
-use clastic_components::observation::{
-    CellStrain, Measures, Observation, StrainComponent, StrainMeasure,
-};
-use clastic_components::particle::Particle;
-use clastic_components::wall::Wall;
+use clastic_components::prelude::*;
 
 use super::principal::Principal;
 use crate::control_walls::wall_distance;

@@ -4,15 +4,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 use glam::DVec2;
 
-use clastic_components::attempt::Attempt;
-use clastic_components::body::{BodyExternalForce, BodyId, BodyPosition, LastMotion};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::contact::{BodyTable, Contact};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis};
-use clastic_components::measure::Quantity;
-use clastic_components::membrane::MembraneShape;
-use clastic_components::observation::{MeasureArea, MeasureLength, StressComponent, StressMeasure};
-use clastic_components::wall::Wall;
+use clastic_components::prelude::*;
 use clastic_cone::residuals::{displacement_scale, force_scale};
 
 use super::groups;

@@ -18,11 +18,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::body::BodyId;
-use clastic_components::contact::BodyTable;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::loads::TrialLoads;
-use clastic_components::membrane::{Chain, Course, Membrane, MembraneShape, Sides};
+use clastic_components::prelude::*;
 
 use self::rolling_ball::{Line, RollingBall};
 use crate::schedule::{AddTrialLoads, ClasticHalted};

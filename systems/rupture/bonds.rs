@@ -10,13 +10,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use clastic_components::bond::{Bond, BondState, Rupture, RuptureMode};
-use clastic_components::contact::{BodyTable, Contact, ContactTable};
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::findings::Ruptures;
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress, RollingLimit, RuptureRules};
-use clastic_components::material::Materials;
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeSolution, Interaction, Limits};
 
 use crate::contact_laws::{Laws, moment_after_rupture, shear_after_rupture};

@@ -25,12 +25,7 @@ use std::collections::HashSet;
 
 use bevy_ecs::prelude::*;
 
-use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::bond::{BondId, Rupture};
-use clastic_components::contact::Contact;
-use clastic_components::findings::{EventSearch, Ruptures};
-use clastic_components::increment::{ClasticAnalysis, ClasticProgress, RuptureRules};
-use clastic_components::material::Materials;
+use clastic_components::prelude::*;
 
 use super::bonds::{Met, find_ruptures, overloads, overloads_at_start, rupture};
 use super::brittleness::brittleness;

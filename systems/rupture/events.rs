@@ -11,14 +11,7 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{BodyTable, BondRow, ContactTable};
-use clastic_components::findings::{Corrections, EventSearch, EventTrial};
-use clastic_components::increment::{
-    AnalysisKind, Avalanche, ClasticAnalysis, ClasticProgress, RollingLimit, RuptureOrder,
-    RuptureRules,
-};
-use clastic_components::material::Materials;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 
 use super::bonds::{

@@ -1,10 +1,7 @@
 //! Forces and moments of the outside world on bodies.
 
 use bevy_ecs::prelude::*;
-use clastic_components::body::{BodyDrive, BodyExternalForce, BodyId};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::loads::TrialLoads;
-use clastic_components::rigid_group::ContactForce;
+use clastic_components::prelude::*;
 use clastic_cone::program::Dof;
 use glam::DVec2;
 

@@ -8,13 +8,7 @@ mod remember_contacts;
 use crate::schedule::{Increment, IncrementSystems, lap};
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use clastic_components::contact::BodyTable;
-use clastic_components::contact_history::ContactHistory;
-use clastic_components::findings::{EventSearch, Ruptures};
-use clastic_components::increment::{
-    AnalysisKind, Avalanche, ClasticAnalysis, ClasticProgress, RuptureOrder, RuptureRules,
-};
-use clastic_components::particle::SetAside;
+use clastic_components::prelude::*;
 
 use crate::assemble_program::regularise::loaded_pairs;
 use crate::measures::fragments::fragments;

@@ -6,15 +6,7 @@
 use crate::impacts::paths::Paths;
 use crate::solved::{Solved, SolvedTables};
 use bevy_ecs::prelude::*;
-use clastic_components::body::{
-    BodyAngularVelocity, BodyDrive, BodyId, BodyPosition, BodyRotation, BodyVelocity, LastMotion,
-};
-use clastic_components::cell::PeriodicCell;
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::particle::Particle;
-use clastic_components::rigid_group::{GroupRow, RigidGroup};
-use clastic_components::wall::{Wall, WallRotation};
-use clastic_components::wall_shape::WallShape;
+use clastic_components::prelude::*;
 use glam::DVec2;
 
 /// Moves particles, walls and rigid groups and updates velocities.

@@ -1,9 +1,7 @@
 //! The forces of contacts with which the next increment starts.
 
 use bevy_ecs::prelude::*;
-use clastic_components::contact_history::{ContactHistory, ContactMemory, DraftHistory};
-use clastic_components::findings::Corrections;
-use clastic_components::increment::ClasticAnalysis;
+use clastic_components::prelude::*;
 use clastic_cone::residuals::Carrying;
 
 use crate::solved::{Solved, SolvedTables};

@@ -30,7 +30,9 @@ fn stresses(target: f64) -> Vec<f64> {
             let progress = world.resource::<ClasticProgress>().clone();
             let mut walls = world.query::<&mut WallControl>();
             for mut control in walls.iter_mut(world) {
-                *control = control.retarget(&progress, target);
+                if let WallControl::Stress { from, to, .. } = &mut *control {
+                    (*from, *to) = progress.retarget((*from, *to), target);
+                }
             }
         }
     }

@@ -183,8 +183,8 @@ fn a_load_of_a_stage_grows_linearly_stays_and_grows_again_from_there() {
     follow(&mut app, &[14.0]);
     // Another target within a stage.
     let progress = app.world().resource::<ClasticProgress>().clone();
-    let mut control = app.world_mut().get_mut::<LoadControl>(free).unwrap();
-    *control = control.retarget(&progress, [10.0, 0.0, 0.0]);
+    let load = &mut app.world_mut().get_mut::<LoadControl>(free).unwrap().0[0];
+    *load = progress.retarget(*load, 10.0);
     follow(&mut app, &[10.0, 10.0]);
 }
 

@@ -7,7 +7,6 @@
 
 mod choose;
 mod columns;
-mod contacts;
 mod movie;
 mod run;
 mod scales;
@@ -24,10 +23,8 @@ use super::atomic::write_atomic;
 
 const PAGE: &str = include_str!("page.html");
 const STYLES: [&str; 2] = [include_str!("page.css"), include_str!("page_parts.css")];
-const SCRIPTS: [&str; 15] = [
+const SCRIPTS: [&str; 13] = [
     include_str!("page_data.js"),
-    include_str!("page_mesh.js"),
-    include_str!("page_strain.js"),
     include_str!("page_chart.js"),
     include_str!("page_curves.js"),
     include_str!("page_roses.js"),
@@ -48,6 +45,9 @@ const MAX_FRAMES_SIZE: usize = 28_000_000;
 /// Maximum number of frames in a page.
 const MAX_FRAMES: usize = 200;
 
+/// Number of frames that tell the size of all.
+const FEW_FRAMES: usize = 20;
+
 /// Writes the page of one or several runs. `names` are their names in the page.
 pub fn write(runs: &[(String, PathBuf)], out: &Path) -> Result<(), OutputError> {
     let read = runs.iter().map(|(name, directory)| Run::read(name, directory));
@@ -61,19 +61,17 @@ pub fn write(runs: &[(String, PathBuf)], out: &Path) -> Result<(), OutputError> 
     write_atomic(out, page(&data, movie.as_ref()))
 }
 
-/// The animation of a run: as many frames as fit into the page.
+/// The animation of a run: about as many frames as fit into the page, by the size of a few.
 fn movie_of(directory: &Path, run: &Run) -> Result<Option<Movie>, OutputError> {
     let files = choose::files(directory)?;
-    let mut most = MAX_FRAMES;
-    loop {
-        let chosen = choose::choose(&files, run, most);
-        let Some(movie) = Movie::read(&chosen)? else { return Ok(None) };
-        let size = movie.blocks.iter().map(String::len).sum::<usize>();
-        if size <= MAX_FRAMES_SIZE || chosen.len() <= 2 {
-            return Ok(Some(movie));
-        }
-        most = (chosen.len() * MAX_FRAMES_SIZE / size).clamp(2, chosen.len() - 1);
+    let few = choose::choose(&files, run, FEW_FRAMES);
+    let movie = Movie::read(&few)?;
+    if few.len() == files.len() {
+        return Ok(movie);
     }
+    let size = movie.iter().flat_map(|movie| &movie.blocks).map(String::len).sum::<usize>();
+    let most = (few.len() * MAX_FRAMES_SIZE / size.max(1)).clamp(2, MAX_FRAMES);
+    Movie::read(&choose::choose(&files, run, most))
 }
 
 fn page(data: &serde_json::Value, movie: Option<&Movie>) -> String {

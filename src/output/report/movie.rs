@@ -1,28 +1,25 @@
 //! The frames of a run as the page has them.
 //!
-//! Bodies and bonds have one row each over the whole run, so that a frame contains only changes:
-//! displacement since the start of the test in steps, everything else in `float16` over a scale of
-//! the run. They are written as differences from the preceding frame. One frame in `KEY` is written
-//! whole, so that a page can start to read there. Contacts without a bond have one list for the
-//! frames from one whole frame to the next.
+//! Bodies and bonds have one row each over the whole run, contacts without a bond in their frame
+//! alone. A frame is read without others.
 
 use glam::DVec2;
 use serde_json::{Value, json};
 
 use super::choose::File;
-use super::columns::{Columns, scale};
-use super::contacts::Contacts;
+use super::columns::Columns;
 use super::distinct;
 use super::scales::{Scales, mean, shear, view};
-use crate::frames::{Frame, FramePairs, NONE, STATES};
+use crate::frames::{Frame, FramePairs, NONE, STATES, strains};
 use crate::output::OutputError;
 use crate::output::corners::joined;
 
 /// State of a bond that is not in a frame.
-const NO_BOND: i32 = 255;
+const NO_BOND: u32 = 255;
 
-/// Frames from one that is whole to the next.
-const KEY: usize = 10;
+/// Maximum shear strains of the particles of a frame since the start of the test, and since the
+/// frame before. Not a number where there is none.
+pub type Strains = [Vec<f32>; 2];
 
 /// Frames in a page.
 pub(crate) struct Movie {
@@ -55,34 +52,25 @@ impl Movie {
         let frames = frames.as_slice();
         let first = frames.first()?;
         let rows = Rows::of(frames);
-        let scales = Scales::of(frames, start);
+        let strains: Vec<Strains> = (0..frames.len())
+            .map(|k| [Some(start), k.checked_sub(1)].map(|from| shears(frames, k, from)))
+            .collect();
+        let scales = Scales::of(frames, &strains, start);
         let mut still = Columns::default();
         rows.still(frames, first.origin_m, &mut still);
-        let mut blocks = vec![still.text().0];
+        let mut blocks = vec![still.text()];
         let mut described = Vec::new();
-        let mut before = Vec::new();
-        let mut contacts = Contacts::default();
-        for (k, frame) in frames.iter().enumerate() {
-            let is_whole = k % KEY == 0;
-            let mut columns = Columns::after(if is_whole { Vec::new() } else { before });
-            if is_whole {
-                let of = frames[k..].iter().take(KEY).map(|frame| &frame.pairs);
-                contacts = Contacts::of(of, |id| rows.index(id));
-            }
-            rows.frame(frame, &scales, &contacts, &mut columns);
-            if is_whole {
-                contacts.bodies(&mut columns);
-            }
-            let (text, codes) = columns.text();
-            blocks.push(text);
-            before = codes;
+        for (frame, strains) in frames.iter().zip(&strains) {
+            let mut columns = Columns::default();
+            rows.frame(frame, strains, &scales, &mut columns);
+            blocks.push(columns.text());
             described.push(json!({
                 "increment": frame.increment,
                 "stage": frame.stage,
                 "time": frame.time_s,
                 "strain": frame.axial_strain,
                 "stress": frame.axial_stress_pa,
-                "contacts": contacts.len(),
+                "contacts": contacts(&frame.pairs).count(),
                 "walls": walls(frame, first.origin_m),
                 "cell": frame.cell_m,
                 "membranes": rows.chains(frame),
@@ -95,11 +83,10 @@ impl Movie {
             "origin": first.origin_m,
             "materials": first.materials,
             "groups": groups(frames),
-            "scales": scales.json(),
+            "ranges": scales.ranges,
             "view": view(&frames[start.min(frames.len() - 1)..], first.origin_m),
             "states": STATES,
             "start": start,
-            "key": KEY,
             "frames": described,
         });
         Some(Self { description, blocks })
@@ -161,8 +148,8 @@ impl Rows {
                 groups[k] = group.map_or(NONE, |k| k as u32);
             }
         }
-        places.iter().for_each(|place| to.numbers(place));
-        to.numbers(&radii);
+        places.iter().for_each(|place| to.numbers(place, 0.0));
+        to.numbers(&radii, 0.0);
         to.counts(&self.bodies);
         to.counts(&materials);
         to.counts(&groups);
@@ -172,52 +159,70 @@ impl Rows {
     }
 
     /// What changes.
-    fn frame(&self, frame: &Frame, scales: &Scales, contacts: &Contacts, to: &mut Columns) {
+    fn frame(&self, frame: &Frame, strains: &Strains, scales: &Scales, to: &mut Columns) {
         let n = self.bodies.len();
         let of = &frame.bodies;
         let at: Vec<usize> = of.id.iter().map(|id| self.index(*id) as usize).collect();
-        let column = |value: &dyn Fn(usize) -> f32, none: f32| {
+        // A body that is not in the frame has no displacement.
+        let mut column = |step: f32, none: f32, value: &dyn Fn(usize) -> f32| {
             let mut column = vec![none; n];
             at.iter().enumerate().for_each(|(row, k)| column[*k] = value(row));
-            column
+            to.numbers(&column, step);
         };
-        for axis in 0..2 {
-            let moved = column(&|row| of.displacement_m[row][axis], f32::NAN);
-            to.changing_steps(&moved, scales.step(), scales.width);
-        }
-        to.changing_halves(&column(&|row| of.rotation_rad[row], 0.0), scale(scales.rotation));
-        to.changing_halves(&column(&|row| mean(of.stress_pa[row]), 0.0), scale(scales.stress));
-        to.changing_halves(&column(&|row| shear(of.stress_pa[row]), 0.0), scale(scales.stress));
-        if scales.velocity > 0.0 {
-            for axis in 0..2 {
-                let velocity = column(&|row| of.velocity_m_s[row][axis], 0.0);
-                to.changing_halves(&velocity, scale(scales.velocity));
-            }
-        }
+        column(scales.displacement, f32::NAN, &|row| of.displacement_m[row][0]);
+        column(scales.displacement, f32::NAN, &|row| of.displacement_m[row][1]);
+        column(scales.rotation, 0.0, &|row| of.rotation_rad[row]);
+        column(scales.stress, 0.0, &|row| mean(of.stress_pa[row]));
+        column(scales.stress, 0.0, &|row| shear(of.stress_pa[row]));
+        column(scales.velocity, 0.0, &|row| of.velocity_m_s[row][0]);
+        column(scales.velocity, 0.0, &|row| of.velocity_m_s[row][1]);
+        column(scales.strain, f32::NAN, &|row| strains[0][row]);
+        column(scales.strain, f32::NAN, &|row| strains[1][row]);
         let mut fragments = vec![0; n];
-        let fragment = |id: &u32| self.index(*id).cast_signed();
-        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = fragment(id));
-        to.changing(fragments, 4);
+        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = self.index(*id));
+        to.counts(&fragments);
 
         let pairs = &frame.pairs;
-        let mut states = vec![NO_BOND; self.bonds.len()];
-        let mut forces = [0, 1, 2].map(|_| vec![0.0_f32; self.bonds.len()]);
+        let forces = [
+            (&pairs.p_n, scales.force),
+            (&pairs.q_n, scales.force),
+            (&pairs.tau_nm, scales.moment),
+        ];
+        let mut rows = vec![None; self.bonds.len()];
         for k in 0..pairs.a.len() {
-            let force = [pairs.p_n[k], pairs.q_n[k], pairs.tau_nm[k]];
-            if let Ok(bond) = self.bonds.binary_search(&(pairs.a[k], pairs.b[k], pairs.bond[k])) {
-                states[bond] = pairs.state[k].into();
-                forces.iter_mut().zip(force).for_each(|(column, f)| column[bond] = f);
+            let bond = (pairs.a[k], pairs.b[k], pairs.bond[k]);
+            if let Ok(row) = self.bonds.binary_search(&bond) {
+                rows[row] = Some(k);
             }
         }
-        to.changing(states, 1);
-        let kinds = if scales.moment > 0.0 { 3 } else { 2 };
-        let of_kind = [scales.force, scales.force, scales.moment].map(scale);
-        (0..kinds).for_each(|k| to.changing_halves(&forces[k], of_kind[k]));
-        let columns = [&pairs.p_n, &pairs.q_n, &pairs.tau_nm];
-        for (values, scale) in columns.into_iter().zip(of_kind).take(kinds) {
-            to.changing_halves(&contacts.column(pairs, values, |id| self.index(id)), scale);
+        let state = |row: &Option<usize>| row.map_or(NO_BOND, |k| pairs.state[k].into());
+        to.counts(&rows.iter().map(state).collect::<Vec<_>>());
+        for (force, step) in forces {
+            let force = |row: &Option<usize>| row.map_or(0.0, |k| force[k]);
+            to.numbers(&rows.iter().map(force).collect::<Vec<_>>(), step);
+        }
+        for ids in [&pairs.a, &pairs.b] {
+            to.counts(&contacts(pairs).map(|k| self.index(ids[k])).collect::<Vec<_>>());
+        }
+        for (force, step) in forces {
+            to.numbers(&contacts(pairs).map(|k| force[k]).collect::<Vec<_>>(), step);
         }
     }
+}
+
+/// Rows of the contacts without a bond.
+fn contacts(pairs: &FramePairs) -> impl Iterator<Item = usize> + '_ {
+    (0..pairs.a.len()).filter(|row| pairs.bond[*row] == NONE)
+}
+
+/// Maximum shear strains of the particles of frame `k` since another one.
+fn shears(frames: &[Frame], k: usize, from: Option<usize>) -> Vec<f32> {
+    let now = frames[k].disks();
+    let Some(from) = from.and_then(|from| frames.get(from)) else {
+        return vec![f32::NAN; now.len()];
+    };
+    let strains = strains(&now, &from.disks()).into_iter();
+    strains.map(|strain| strain.map_or(f32::NAN, |strain| strain.shear as f32)).collect()
 }
 
 /// Displacements and rotations since the start of the test, in place of those since the start of

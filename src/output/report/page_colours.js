@@ -70,7 +70,7 @@
   };
   const listed = (k) => (k === Report.NONE ? [150, 155, 160] : KINDS[k % KINDS.length]);
 
-  const { ranges } = movie?.scales ?? {};
+  const { ranges } = movie ?? {};
   const length = (x, y) => Math.sqrt(x * x + y * y);
   // Ways to colour grains. `of(frame, before, row)` is a number, `unit` that of it.
   const COLOURS = {
@@ -90,7 +90,6 @@
       name: "velocity",
       unit: "m/s",
       range: ranges?.velocity,
-      needs: "vx",
       of: (f, b, i) => length(f.vx[i], f.vy[i]),
     },
     rotation: {
@@ -103,12 +102,14 @@
     strain: {
       name: "shear strain since the start of the test",
       unit: "%",
-      field: (f) => Report.totalStrains(f),
+      range: ranges?.strain,
+      of: (f, b, i) => f.strain[i],
     },
     "strain-step": {
       name: "shear strain since the frame before",
       unit: "%",
-      field: (f, b) => Report.strainSteps(f, b),
+      range: ranges?.strainStep,
+      of: (f, b, i) => f.strainStep[i],
     },
     stress: {
       name: "mean stress in the grain (compression +)",
@@ -157,13 +158,11 @@
     if (key === "fragment") frame.largest ??= largest(frame);
     const [low, high] = way.range ?? [0, 1],
       scale = STEPS / (high - low || 1);
-    const values = way.field?.(frame, before);
     for (let i = 0; i < n; i++) {
       if (way.kinds) out.set(way.kinds(frame, i), 4 * i);
       else {
         // A body that is not in the frame has no number, and becomes the first step.
-        const value = values ? values[i] : way.of(frame, before, i);
-        const step = Math.round((value - low) * scale);
+        const step = Math.round((way.of(frame, before, i) - low) * scale);
         const k = 3 * (step > 0 ? Math.min(STEPS, step) : 0);
         out[4 * i] = map[k];
         out[4 * i + 1] = map[k + 1];

@@ -38,7 +38,7 @@
     const named = { start: movie.start, peak: Report.peakFrame, end: last }[at];
     if (at) await Report.show(named ?? Report.frameOf(Number(at) || 0));
     const options = [...node("colour").options].map((option) => option.value);
-    if (options.includes(asked.get("colour"))) await Report.colourBy(asked.get("colour"));
+    if (options.includes(asked.get("colour"))) Report.colourBy(asked.get("colour"));
   };
 
   Report.listen = () => {

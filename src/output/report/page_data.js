@@ -13,82 +13,17 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
 
 (() => {
   const movie = Report.data.movie;
-  const NONE = 0xffffffff;
 
-  // float16 by its bits.
-  const HALF = new Float32Array(65536);
-  for (let bits = 0; bits < 65536; bits++) {
-    const exponent = (bits >> 10) & 31,
-      fraction = bits & 1023;
-    const size = exponent === 0 ? fraction * 2 ** -24 : (1024 + fraction) * 2 ** (exponent - 25);
-    HALF[bits] = (bits & 32768 ? -1 : 1) * (exponent === 31 ? (fraction ? NaN : Infinity) : size);
-  }
-  // The same by whole numbers that grow with it, from -32768 on.
-  const ORDERED = new Float32Array(65536);
-  for (let code = -32768; code < 32768; code++)
-    ORDERED[32768 + code] = HALF[code < 0 ? 32768 - code : code];
-
-  // Reads columns one after the other. Their bytes lie in planes, the lowest bytes first. Columns
-  // that change are whole numbers, as differences from those of the frame before, if it has one.
-  class Reader {
-    constructor(bytes, before = []) {
-      this.bytes = bytes;
-      this.at = 0;
-      this.before = before;
-      this.codes = [];
-    }
-    changing(n, width) {
-      const { bytes, at } = this,
-        before = this.before[this.codes.length],
-        codes = new (width === 1 ? Int8Array : width === 2 ? Int16Array : Int32Array)(n),
-        beyond = 32 - 8 * width;
-      for (let i = 0; i < n; i++) {
-        let code = bytes[at + i];
-        for (let k = 1; k < width; k++) code |= bytes[at + k * n + i] << (8 * k);
-        const change = (code >>> 1) ^ -(code & 1);
-        codes[i] = (((before ? before[i] : 0) + change) << beyond) >> beyond;
-      }
-      this.at += n * width;
-      this.codes.push(codes);
-      return codes;
-    }
-    changingBytes(n) {
-      return new Uint8Array(this.changing(n, 1).buffer);
-    }
-    changingCounts(n) {
-      return new Uint32Array(this.changing(n, 4).buffer);
-    }
-    changingHalves(n, scale) {
-      const codes = this.changing(n, 2),
-        column = new Float32Array(n);
-      for (let i = 0; i < n; i++) column[i] = scale * ORDERED[32768 + codes[i]];
+  // Reads columns one after the other: four bytes a row, in planes, the lowest bytes first.
+  function reader(bytes) {
+    let at = 0;
+    const counts = (n) => {
+      const column = new Uint32Array(n);
+      for (let plane = 0; plane < 4; plane++)
+        for (let i = 0; i < n; i++) column[i] |= bytes[at++] << (8 * plane);
       return column;
-    }
-    // Whole steps of two or three bytes.
-    changingSteps(n, step) {
-      const { width } = movie.scales,
-        codes = this.changing(n, width),
-        column = new Float32Array(n),
-        absent = -(2 ** (8 * width - 1));
-      for (let i = 0; i < n; i++) column[i] = codes[i] === absent ? NaN : step * codes[i];
-      return column;
-    }
-    counts(n) {
-      const { bytes, at } = this,
-        column = new Uint32Array(n);
-      for (let i = 0; i < n; i++) {
-        column[i] =
-          bytes[at + i] |
-          (bytes[at + n + i] << 8) |
-          (bytes[at + 2 * n + i] << 16) |
-          (bytes[at + 3 * n + i] << 24);
-      }
-      this.at += 4 * n;
-      return column;
-    }
-    numbers(n) {
-      return new Float32Array(this.counts(n).buffer);
-    }
+    };
+    return { counts, numbers: (n) => new Float32Array(counts(n).buffer) };
   }
 
   async function unpack(name) {
@@ -100,71 +35,54 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
   }
 
   async function readStill() {
-    const from = new Reader(await unpack("still")),
+    const { counts, numbers } = reader(await unpack("still")),
       { bodies: n, bonds: b } = movie;
     return {
-      x: from.numbers(n),
-      y: from.numbers(n),
-      radius: from.numbers(n),
-      id: from.counts(n),
-      material: from.counts(n),
-      group: from.counts(n),
-      a: from.counts(b),
-      b: from.counts(b),
-      bond: from.counts(b),
+      x: numbers(n),
+      y: numbers(n),
+      radius: numbers(n),
+      id: counts(n),
+      material: counts(n),
+      group: counts(n),
+      a: counts(b),
+      b: counts(b),
+      bond: counts(b),
     };
   }
 
   async function readFrame(k) {
-    // The frame before is wanted too, unless this one is whole.
-    const [bytes, last] = await Promise.all([
-      unpack("frame" + k),
-      k % movie.key === 0 ? null : Report.frame(k - 1),
-    ]);
-    const from = new Reader(bytes, last?.codes),
-      { bodies: n, bonds: b, scales } = movie;
-    const c = movie.frames[k].contacts;
+    const { counts, numbers } = reader(await unpack("frame" + k)),
+      { bodies: n, bonds: b } = movie,
+      { contacts: c, walls, membranes, cell } = movie.frames[k];
+    const forces = (n) => ({ p: numbers(n), q: numbers(n), tau: numbers(n) });
     const frame = {
-      ux: from.changingSteps(n, scales.step),
-      uy: from.changingSteps(n, scales.step),
-      rotation: from.changingHalves(n, scales.rotation),
-      mean: from.changingHalves(n, scales.stress),
-      shear: from.changingHalves(n, scales.stress),
+      ux: numbers(n),
+      uy: numbers(n),
+      rotation: numbers(n),
+      mean: numbers(n),
+      shear: numbers(n),
+      vx: numbers(n),
+      vy: numbers(n),
+      strain: numbers(n),
+      strainStep: numbers(n),
+      fragment: counts(n),
+      state: counts(b),
+      bonds: forces(b),
+      a: counts(c),
+      b: counts(c),
+      contacts: forces(c),
+      walls,
+      membranes,
+      cell,
     };
-    if (scales.velocity !== null) {
-      frame.vx = from.changingHalves(n, scales.velocity);
-      frame.vy = from.changingHalves(n, scales.velocity);
-    }
-    frame.fragment = from.changingCounts(n);
-    frame.state = from.changingBytes(b);
-    const forces = (read) => ({
-      p: read(scales.force),
-      q: read(scales.force),
-      tau: scales.moment === null ? null : read(scales.moment),
-    });
-    frame.bonds = forces((scale) => from.changingHalves(b, scale));
-    frame.contacts = forces((scale) => from.changingHalves(c, scale));
-    // Contacts are those of the last frame that was whole.
-    if (last) [frame.a, frame.b] = [last.a, last.b];
-    else {
-      [frame.a, frame.b] = [from.counts(c), from.counts(c)];
-      for (let i = 1; i < c; i++) frame.a[i] += frame.a[i - 1];
-      for (let i = 0; i < c; i++) frame.b[i] += frame.a[i];
-    }
-    // Only the next frame needs these.
-    if (last) last.codes = null;
-    frame.codes = from.codes;
     // Where bodies are.
     frame.x = frame.ux.map((u, i) => Report.still.x[i] + u);
     frame.y = frame.uy.map((u, i) => Report.still.y[i] + u);
-    frame.walls = movie.frames[k].walls;
-    frame.membranes = movie.frames[k].membranes;
-    frame.cell = movie.frames[k].cell;
     return frame;
   }
 
   const frames = [];
-  Report.NONE = NONE;
+  Report.NONE = 0xffffffff;
   Report.frame = (k) => (frames[k] ??= readFrame(k));
   Report.loadStill = async () => {
     Report.still = await readStill();
@@ -202,17 +120,14 @@ Report.data = JSON.parse(document.getElementById("data").textContent);
   // Calls `see(a, b, state, p, q, tau, kind, row)` for every bond and contact of a frame.
   Report.eachPair = (frame, see) => {
     const { still } = Report,
-      tau = (of, k) => (of.tau ? of.tau[k] : 0);
+      { bonds, contacts } = frame;
     for (let k = 0; k < frame.state.length; k++) {
       if (frame.state[k] === 255) continue;
-      const of = frame.bonds;
-      see(still.a[k], still.b[k], frame.state[k], of.p[k], of.q[k], tau(of, k), "bond", k);
+      see(still.a[k], still.b[k], frame.state[k], bonds.p[k], bonds.q[k], bonds.tau[k], "bond", k);
     }
     for (let k = 0; k < frame.a.length; k++) {
-      const of = frame.contacts;
-      // A contact without force is one of another frame.
-      if (of.p[k] === 0 && of.q[k] === 0 && tau(of, k) === 0) continue;
-      see(frame.a[k], frame.b[k], 0, of.p[k], of.q[k], tau(of, k), "contact", k);
+      const [p, q, tau] = [contacts.p[k], contacts.q[k], contacts.tau[k]];
+      if (p !== 0 || q !== 0 || tau !== 0) see(frame.a[k], frame.b[k], 0, p, q, tau, "contact", k);
     }
   };
 })();

@@ -2,7 +2,7 @@
 "use strict";
 (() => {
   const { movie } = Report.data;
-  const { ranges } = movie?.scales ?? {};
+  const { ranges } = movie ?? {};
 
   const bytes = (name) => {
     const hex = Report.colour(name).slice(1);

@@ -78,52 +78,39 @@
     Report.paint(state.now, state.before);
   };
 
-  // Colours grains by this. The range of strains is measured when they are first asked for.
-  Report.colourBy = async (key) => {
-    const way = Report.COLOURS[key];
-    if (!way.range && way.field) {
-      node("message").textContent = "Measuring strains \u2026";
-      way.range = await Report.strainRange(way.field);
-      node("message").textContent = "";
-    }
+  // Colours grains by this.
+  Report.colourBy = (key) => {
     state.colour = node("colour").value = key;
     Report.restyle();
   };
 
   function offer() {
-    const { frames, scales } = movie;
-    for (const [key, way] of Object.entries(Report.COLOURS)) {
-      const isThere =
-        key === "velocity"
-          ? scales.velocity !== null
-          : key === "fragment"
-            ? movie.bonds > 0
-            : key === "material"
-              ? movie.materials.length > 1
-              : key === "group"
-                ? movie.groups.length > 0
-                : way.field
-                  ? frames.length > movie.start + 1
-                  : true;
-      if (isThere) node("colour").append(make("option", { value: key }, way.name));
-    }
+    const { frames, ranges } = movie;
+    const lacks = {
+      velocity: ranges.velocity[1] === 0,
+      fragment: movie.bonds === 0,
+      material: movie.materials.length < 2,
+      group: movie.groups.length === 0,
+      strain: frames.length <= movie.start + 1,
+      "strain-step": frames.length <= movie.start + 1,
+    };
+    for (const [key, way] of Object.entries(Report.COLOURS))
+      if (!lacks[key]) node("colour").append(make("option", { value: key }, way.name));
     // Rotations show where a specimen that is tested shears; grains that flow move.
     state.colour = Report.isStrained ? "rotation" : "displacement";
     node("colour").value = state.colour;
-    const layers =
-      movie.bonds > 0
-        ? [
-            ["cracks", "broken bonds", true],
-            ["bonds", "bonds", false],
-          ]
-        : [];
-    layers.push(
-      ["chains", "force chains", movie.bonds === 0],
-      ["normals", "contact normals", false],
-      ["spokes", "rotation marks", false],
-    );
-    if (frames.some((frame) => frame.membranes?.length)) layers.push(["membrane", "membrane", true]);
-    for (const [key, name, on] of layers) {
+    const isBonded = movie.bonds > 0,
+      isWrapped = frames.some((frame) => frame.membranes.length > 0);
+    const layers = [
+      [isBonded, "cracks", "broken bonds", true],
+      [isBonded, "bonds", "bonds", false],
+      [true, "chains", "force chains", !isBonded],
+      [true, "normals", "contact normals", false],
+      [true, "spokes", "rotation marks", false],
+      [isWrapped, "membrane", "membrane", true],
+    ];
+    for (const [isThere, key, name, on] of layers) {
+      if (!isThere) continue;
       state.layers[key] = on;
       const box = make("input", {
         type: "checkbox",
@@ -138,43 +125,24 @@
     }
     node("slider").max = frames.length - 1;
     // Frames worth a jump.
-    const { record, events } = runs[0],
-      at = (increment) => frames.findIndex((frame) => frame.increment >= increment);
+    const { record, events } = runs[0];
+    const button = (text, onclick) => node("jumps").append(make("button", { onclick }, text));
     const jump = (text, k) => {
-      if (k >= 0)
-        node("jumps").append(
-          make(
-            "button",
-            {
-              onclick: () => {
-                Report.play(false);
-                Report.show(k);
-              },
-            },
-            text,
-          ),
-        );
+      if (k < 0) return;
+      button(text, () => {
+        Report.play(false);
+        Report.show(k);
+      });
     };
     jump("start", movie.start);
     if (events.increment?.length)
-      node("jumps").append(
-        make(
-          "button",
-          { onclick: () => Report.showBond(events.bond[0], events.increment[0]) },
-          "first rupture",
-        ),
-      );
+      button("first rupture", () => Report.showBond(events.bond[0], events.increment[0]));
     const stress = record.results.peak_stress_pa,
       force = Report.peakOfForce(runs[0]);
+    const isPeak = (frame) => frame.stress !== null && Math.abs(frame.stress / stress - 1) < 1e-6;
     // Without a stress the frame nearest to the peak of the force.
-    const peak =
-      stress === null
-        ? force
-          ? Report.frameOf(force.increment)
-          : -1
-        : frames.findIndex(
-            (frame) => frame.stress !== null && Math.abs(frame.stress / stress - 1) < 1e-6,
-          );
+    const ofForce = () => (force ? Report.frameOf(force.increment) : -1);
+    const peak = stress === null ? ofForce() : frames.findIndex(isPeak);
     jump("peak", peak);
     jump("end", frames.length - 1);
     Report.peakFrame = peak;
@@ -208,7 +176,6 @@
     offer();
     Report.view = Report.openView(node("canvas"));
     Report.drawLegend(state.colour, state.layers);
-    Report.startFrame = await Report.frame(movie.start);
     await Report.show(Report.peakFrame >= 0 ? Report.peakFrame : movie.frames.length - 1);
     Report.listen();
     await Report.follow(location.hash);

@@ -20,10 +20,10 @@
         ux_m: frame.ux[row],
         uy_m: frame.uy[row],
         rotation_rad: frame.rotation[row],
-        velocity_m_s: frame.vx ? Math.hypot(frame.vx[row], frame.vy[row]) : null,
+        velocity_m_s: Math.hypot(frame.vx[row], frame.vy[row]),
         mean_stress_pa: frame.mean[row],
         shear_stress_pa: frame.shear[row],
-        shear_strain: Report.totalStrains(frame)[row],
+        shear_strain: frame.strain[row],
         fragment: still.id[frame.fragment[row]],
       };
     }
@@ -38,7 +38,7 @@
       state: kind === "bond" ? frame.state[row] : 0,
       p_n: of.p[row],
       q_n: of.q[row],
-      tau_nm: of.tau ? of.tau[row] : 0,
+      tau_nm: of.tau[row],
     };
   };
 
@@ -67,7 +67,7 @@
       add("Centre", `${si(v.x_m, "m")}, ${si(v.y_m, "m")}`);
       add("Displacement x, y", `${si(v.ux_m, "m", 3)}, ${si(v.uy_m, "m", 3)}`);
       add("Rotation", si(v.rotation_rad, "rad", 3));
-      if (v.velocity_m_s !== null) add("Velocity", si(v.velocity_m_s, "m/s", 3));
+      if (v.velocity_m_s !== 0) add("Velocity", si(v.velocity_m_s, "m/s", 3));
       add("Mean stress", si(v.mean_stress_pa, "Pa", 3));
       add("Maximum shear stress", si(v.shear_stress_pa, "Pa", 3));
       add("Local shear strain", `${format(100 * v.shear_strain, 3)} %`);
@@ -82,7 +82,7 @@
       add("State", states);
       add("Normal force p (compression +)", si(v.p_n, "N", 3));
       add("Shear force q", si(v.q_n, "N", 3));
-      if (movie.scales.moment !== null) add("Rolling moment", si(v.tau_nm, "N m", 3));
+      if (v.tau_nm !== 0) add("Rolling moment", si(v.tau_nm, "N m", 3));
     }
     node("picked").replaceChildren(make("h3", {}, title), Report.table(["", ""], rows));
   };

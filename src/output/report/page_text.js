@@ -25,54 +25,35 @@
   Report.table = table;
   Report.numeric = n;
 
-  // Key results: name, text of a run, where defined.
-  const RESULTS = [
-    ["Peak stress", (r) => r.peak_stress_pa !== null && si(r.peak_stress_pa, "Pa")],
-    ["Strain at peak", (r) => r.strain_at_peak !== null && percent(r.strain_at_peak)],
-    ["Young\u2019s modulus", (r) => r.youngs_modulus_pa !== null && si(r.youngs_modulus_pa, "Pa")],
-    [
-      "Secant modulus to half of the rise",
-      (r) =>
-        r.youngs_modulus_secant_half_peak_pa !== null &&
-        si(r.youngs_modulus_secant_half_peak_pa, "Pa"),
-    ],
-    [
-      "Stress at first crack",
-      (r) => r.first_crack_stress_pa !== null && si(r.first_crack_stress_pa, "Pa"),
-    ],
-    ["Poisson\u2019s ratio", (r) => isNumber(r.poissons_ratio) && format(r.poissons_ratio)],
-    [
-      "Crack initiation",
-      (r) => isNumber(r.crack_initiation_stress_pa) && si(r.crack_initiation_stress_pa, "Pa"),
-    ],
-    [
-      "Crack damage",
-      (r) => isNumber(r.crack_damage_stress_pa) && si(r.crack_damage_stress_pa, "Pa"),
-    ],
-    [
-      "Residual strength",
-      (r) => isNumber(r.residual_strength_pa) && si(r.residual_strength_pa, "Pa"),
-    ],
-    [
-      "Friction angle",
-      (r) => isNumber(r.friction_angle_rad) && `${format((r.friction_angle_rad * 180) / Math.PI)}\u00b0`,
-    ],
-    ["Limit load", (r) => r.limit_load_pa !== null && si(r.limit_load_pa, "Pa")],
-    ["Porosity", (r) => r.porosity !== null && format(r.porosity)],
-    [
-      "Broken bonds",
-      (r) => r.bonds_created > 0 && `${format(broken(r))} of ${format(r.bonds_created)}`,
-    ],
-    [
-      "Broken in tension, shear, rolling",
-      (r) =>
-        broken(r) > 0 &&
-        [r.bonds_broken.tension, r.bonds_broken.shear, r.bonds_broken.rolling].join(", "),
-    ],
-  ];
-  // Runs of earlier versions lack some of the results.
-  const isNumber = (value) => typeof value === "number";
+  // Key results: name, name in the record, text.
+  const pascals = (x) => si(x, "Pa");
   const broken = (r) => r.bonds_broken.tension + r.bonds_broken.shear + r.bonds_broken.rolling;
+  const RESULTS = [
+    ["Peak stress", "peak_stress_pa", pascals],
+    ["Strain at peak", "strain_at_peak", percent],
+    ["Young\u2019s modulus", "youngs_modulus_pa", pascals],
+    ["Secant modulus to half of the rise", "youngs_modulus_secant_half_peak_pa", pascals],
+    ["Stress at first crack", "first_crack_stress_pa", pascals],
+    ["Poisson\u2019s ratio", "poissons_ratio", format],
+    ["Crack initiation", "crack_initiation_stress_pa", pascals],
+    ["Crack damage", "crack_damage_stress_pa", pascals],
+    ["Residual strength", "residual_strength_pa", pascals],
+    ["Friction angle", "friction_angle_rad", (x) => `${format((x * 180) / Math.PI)}\u00b0`],
+    ["Limit load", "limit_load_pa", pascals],
+    ["Porosity", "porosity", format],
+  ];
+  // Names and texts of the results that a run has: those of earlier versions lack some.
+  const resultsOf = (r) => {
+    const isThere = ([, key]) => typeof r[key] === "number";
+    const texts = RESULTS.filter(isThere).map(([name, key, text]) => [name, text(r[key])]);
+    if (r.bonds_created > 0)
+      texts.push(["Broken bonds", `${format(broken(r))} of ${format(r.bonds_created)}`]);
+    if (broken(r) > 0) {
+      const { tension, shear, rolling } = r.bonds_broken;
+      texts.push(["Broken in tension, shear, rolling", [tension, shear, rolling].join(", ")]);
+    }
+    return texts;
+  };
 
   // Peak of the force and displacement there, of a run without a stress: names and texts.
   const peakOfForce = (run) => {
@@ -123,42 +104,30 @@
     const results = document.getElementById("results");
     if (runs.length > 1) {
       results.style.display = "block";
-      const head = ["", ...runs.map((run) => ({ class: "n", text: run.name }))];
+      const head = ["", ...runs.map((run) => n(run.name))];
+      const row = (name, text) => [name, ...runs.map((run) => ({ class: "n", text: text(run) }))];
+      const none = (x) => verdict(x === 0, format(x));
       // The first rows show which of several runs are less reliable.
       const rows = [
-        ["Marks", ...runs.map(({ marks }) => n(marks.length ? marks.join("; ") : "\u2013"))],
-        [
-          "Outcome",
-          ...runs.map(({ record: { outcome } }) => ({
-            class: "n",
-            text: verdict(
-              ["completed", "collapsed", "running"].includes(outcome.status),
-              outcome.status,
-            ),
-          })),
-        ],
-        [
-          "Capped increments",
-          ...runs.map(({ record }) => ({
-            class: "n",
-            text: verdict(record.capped_increments === 0, format(record.capped_increments)),
-          })),
-        ],
-        [
-          "Physical warnings",
-          ...runs.map(({ record }) => {
-            const warnings = record.sanity?.warnings?.length ?? 0;
-            return { class: "n", text: verdict(warnings === 0, format(warnings)) };
-          }),
-        ],
+        row("Marks", ({ marks }) => marks.join("; ") || "\u2013"),
+        row("Outcome", ({ record: { outcome: { status } } }) =>
+          verdict(["completed", "collapsed", "running"].includes(status), status),
+        ),
+        row("Capped increments", ({ record }) => none(record.capped_increments)),
+        row("Physical warnings", ({ record }) => none(record.sanity?.warnings?.length ?? 0)),
       ];
-      const peaks = runs.map((run) => peakOfForce(run).map(([name, value]) => `${value}, ${name}`));
-      if (peaks.some((peak) => peak.length))
-        rows.push(["Peak of the force", ...peaks.map((peak) => n(peak[0]?.replace("Peak ", "") ?? "\u2013"))]);
-      for (const [name, text] of RESULTS) {
-        const cells = runs.map((run) => text(run.record.results));
-        if (cells.some(Boolean)) rows.push([name, ...cells.map((cell) => n(cell || "\u2013"))]);
-      }
+      if (runs.some(Report.peakOfForce))
+        rows.push(
+          row("Peak of the force", (run) => {
+            const [[name, value]] = [...peakOfForce(run), ["Peak ", null]];
+            return value ? `${value}, ${name.replace("Peak ", "")}` : "\u2013";
+          }),
+        );
+      const texts = runs.map((run) => new Map(resultsOf(run.record.results)));
+      const known = RESULTS.map(([name]) => name).concat(texts.flatMap((of) => [...of.keys()]));
+      for (const name of new Set(known))
+        if (texts.some((of) => of.has(name)))
+          rows.push([name, ...texts.map((of) => n(of.get(name) ?? "\u2013"))]);
       const scrolled = make("div", { class: "scroll wide-table" }, table(head, rows));
       const cue = make("p", { class: "hint" });
       results.append(cue, scrolled);
@@ -173,10 +142,7 @@
       results[isFirst ? "prepend" : "append"](
         make("div", { class: "card" }, make("b", {}, value), make("span", {}, name)),
       );
-    for (const [name, text] of RESULTS) {
-      const value = text(record.results);
-      if (value) card(value, name);
-    }
+    for (const [name, value] of resultsOf(record.results)) card(value, name);
     for (const [name, value] of peakOfForce(runs[0]).reverse()) card(value, name, true);
   };
 

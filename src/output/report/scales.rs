@@ -1,22 +1,23 @@
-//! Scales of a run: of its numbers in a page, of colours and widths, and of the picture. They are
-//! those of all frames, so that nothing jumps from one to the next. A stray grain or a few large
+//! Scales of a run: steps of its numbers in a page, ranges of colours and widths, and the picture. They
+//! are those of all frames, so that nothing jumps from one to the next. A stray grain or a few large
 //! values do not decide about them.
 
 use glam::DVec2;
 use serde_json::{Value, json};
 
-use super::columns::{most_steps, scale};
+use super::columns::step;
+use super::movie::Strains;
 use crate::frames::Frame;
 use crate::output::view::{near, range};
 
 /// Part of values that lie beyond a colour scale.
 const BEYOND: f64 = 0.01;
 
-/// Minimum number of steps of a displacement in the range of its colours.
-const FINE: f32 = 2000.0;
+/// Largest step of numbers, as a part of their typical magnitude.
+const STEP: f32 = 1.0 / 16_384.0;
 
-/// Minimum of a typical magnitude, as a part of the largest number, so that all numbers fit.
-const SPREAD: f32 = 1.0 / 1_048_576.0;
+/// The same of displacements, of which the page takes differences.
+const FINE: f32 = 1.0 / 65_536.0;
 
 /// Mean stress in the plane, of xx, yy and xy.
 pub fn mean([xx, yy, _]: [f32; 3]) -> f32 {
@@ -28,120 +29,75 @@ pub fn shear([xx, yy, xy]: [f32; 3]) -> f32 {
     (0.5 * (xx - yy)).hypot(xy)
 }
 
-/// Typical magnitudes of a run, for `float16`, and quantiles, for colours and widths. A typical
-/// magnitude is the quantile that ends the colours, but not below [`SPREAD`] of the largest one.
-#[derive(Default)]
+/// Steps of the numbers of a run, and ranges for colours and widths. The typical magnitude of
+/// numbers is the one that ends their range.
 pub struct Scales {
-    displacement: f32,
-    /// Number of bytes of a displacement.
-    pub width: usize,
-    /// Typical rotation, rad.
+    pub displacement: f32,
     pub rotation: f32,
-    /// Typical mean or shear stress, Pa.
     pub stress: f32,
-    /// Typical velocity, m/s; 0 in static analysis.
     pub velocity: f32,
-    /// Typical normal force, N. Shear forces have its steps.
+    pub strain: f32,
+    /// Of normal and shear forces.
     pub force: f32,
-    /// Typical normal force times the mean radius, N m; 0 without moments.
+    /// That of forces times the mean radius.
     pub moment: f32,
-    /// Ranges of colours by name.
-    ranges: Value,
+    /// Ranges by name.
+    pub ranges: Value,
 }
 
 impl Scales {
-    /// Scales of frames. Ranges of colours are those of the frames from `start` on.
-    pub fn of(frames: &[Frame], start: usize) -> Self {
-        let mut scales = Self::default();
-        let mut seen: [Vec<f32>; 6] = Default::default();
-        let mut before: Option<&Frame> = None;
-        for (k, frame) in frames.iter().enumerate() {
-            scales.see(frame);
-            if k >= start {
-                see_values(&mut seen, frame, before);
-                before = Some(frame);
-            }
-        }
-        let mut at = |k: usize, part: f64| quantile(&mut seen[k], part);
+    /// Scales of frames with their [`Strains`] from the one with the index `start` on.
+    pub fn of(frames: &[Frame], strains: &[Strains], start: usize) -> Self {
         let (low, high) = (BEYOND, 1.0 - BEYOND);
-        let (turn, moved) = (at(3, high), at(0, high));
-        let (speed, force, stress) = (at(2, high), at(5, high), [at(4, low), at(4, high)]);
-        scales.ranges = json!({
-            "displacement": [0.0, moved],
-            "motion": [0.0, at(1, high)],
-            "velocity": [0.0, speed],
-            "rotation": [-turn, turn],
-            "stress": stress,
-            "force": [0.0, force],
+        let all = &frames[start.min(frames.len())..];
+        let bodies = || all.iter().map(|frame| &frame.bodies);
+        let length = |[x, y]: &[f32; 2]| x.hypot(*y);
+        let moved = bodies().flat_map(|of| of.displacement_m.iter().map(length));
+        let speeds = bodies().flat_map(|of| of.velocity_m_s.iter().map(length));
+        let turns = bodies().flat_map(|of| of.rotation_rad.iter().map(|x| x.abs()));
+        let forces = all.iter().flat_map(|frame| &frame.pairs.p_n);
+        let [displacement] = quantiles(moved, [high]);
+        let [motion] = quantiles(all.windows(2).flat_map(motions), [high]);
+        let [velocity] = quantiles(speeds, [high]);
+        let [rotation] = quantiles(turns, [high]);
+        let stress =
+            quantiles(bodies().flat_map(|of| of.stress_pa.iter().map(|s| mean(*s))), [low, high]);
+        let [force] = quantiles(forces.filter(|p| **p != 0.0).map(|p| p.abs()), [high]);
+        let strain = [0, 1].map(|since| {
+            let known = strains.iter().skip(start + 1).flat_map(|of| &of[since]);
+            quantiles(known.copied().filter(|x| !x.is_nan()), [high])[0]
         });
-        let typical = |all: &mut f32, quantile: f32| *all = quantile.max(SPREAD * *all);
-        typical(&mut scales.rotation, turn);
-        typical(&mut scales.stress, stress[0].abs().max(stress[1]));
-        if scales.velocity > 0.0 {
-            typical(&mut scales.velocity, speed);
+        let stresses = step(stress[0].abs().max(stress[1]), STEP);
+        Self {
+            displacement: step(displacement, FINE),
+            rotation: step(rotation, STEP),
+            stress: stresses,
+            velocity: step(velocity, STEP),
+            strain: step(strain[0].max(strain[1]), STEP),
+            force: step(force, STEP),
+            moment: step(force * mean_radius(frames), STEP),
+            ranges: json!({
+                "displacement": [0.0, displacement],
+                "motion": [0.0, motion],
+                "velocity": [0.0, velocity],
+                "rotation": [-rotation, rotation],
+                "strain": [0.0, strain[0]],
+                "strainStep": [0.0, strain[1]],
+                "stress": stress,
+                "force": [0.0, force],
+            }),
         }
-        typical(&mut scales.force, force);
-        if scales.moment > 0.0 {
-            typical(&mut scales.moment, scales.force * mean_radius(frames));
-        }
-        // Two bytes, if the step is then a small part of the range of colours.
-        let is_fine = moved * most_steps(2) as f32 >= FINE * scales.displacement;
-        scales.width = if is_fine { 2 } else { 3 };
-        scales
-    }
-
-    /// Largest magnitudes with those of a frame.
-    fn see(&mut self, frame: &Frame) {
-        let most = |all: &mut f32, x: f32| *all = all.max(x.abs());
-        let (bodies, pairs) = (&frame.bodies, &frame.pairs);
-        bodies.displacement_m.iter().flatten().for_each(|x| most(&mut self.displacement, *x));
-        bodies.velocity_m_s.iter().for_each(|[x, y]| most(&mut self.velocity, x.hypot(*y)));
-        bodies.rotation_rad.iter().for_each(|x| most(&mut self.rotation, *x));
-        for stress in &bodies.stress_pa {
-            most(&mut self.stress, mean(*stress));
-            most(&mut self.stress, shear(*stress));
-        }
-        pairs.p_n.iter().chain(&pairs.q_n).for_each(|x| most(&mut self.force, *x));
-        pairs.tau_nm.iter().for_each(|x| most(&mut self.moment, *x));
-    }
-
-    /// Step of displacements, m.
-    pub fn step(&self) -> f64 {
-        let largest = if self.displacement > 0.0 { self.displacement } else { 1.0 };
-        f64::from(largest) / f64::from(most_steps(self.width))
-    }
-
-    /// The scales as the page reads them.
-    pub fn json(&self) -> Value {
-        json!({
-            "step": self.step(),
-            "width": self.width,
-            "rotation": scale(self.rotation),
-            "stress": scale(self.stress),
-            "velocity": if self.velocity > 0.0 { Some(scale(self.velocity)) } else { None },
-            "force": scale(self.force),
-            "moment": if self.moment > 0.0 { Some(scale(self.moment)) } else { None },
-            "ranges": self.ranges,
-        })
     }
 }
 
-/// Values of a frame for colours and widths: displacement, motion since the frame before, velocity,
-/// rotation, mean stress, normal force.
-fn see_values(seen: &mut [Vec<f32>; 6], frame: &Frame, before: Option<&Frame>) {
-    let bodies = &frame.bodies;
-    for (row, u) in bodies.displacement_m.iter().enumerate() {
-        seen[0].push(u[0].hypot(u[1]));
-        let then = before.filter(|then| then.bodies.id.get(row) == bodies.id.get(row));
-        if let Some([x, y]) = then.map(|then| then.bodies.displacement_m[row]) {
-            seen[1].push((u[0] - x).hypot(u[1] - y));
-        }
-    }
-    seen[2].extend(bodies.velocity_m_s.iter().map(|[x, y]| x.hypot(*y)));
-    seen[3].extend(bodies.rotation_rad.iter().map(|x| x.abs()));
-    seen[4].extend(bodies.stress_pa.iter().map(|stress| mean(*stress)));
-    let forces = frame.pairs.p_n.iter().filter(|p| **p != 0.0);
-    seen[5].extend(forces.map(|p| p.abs()));
+/// Motion from a frame to the next of the bodies in the same rows.
+fn motions(pair: &[Frame]) -> impl Iterator<Item = f32> + '_ {
+    let [then, now] = [&pair[0].bodies, &pair[1].bodies];
+    let rows = (0..now.id.len()).filter(|row| then.id.get(*row) == Some(&now.id[*row]));
+    rows.map(|row| {
+        let ([x, y], [x0, y0]) = (now.displacement_m[row], then.displacement_m[row]);
+        (x - x0).hypot(y - y0)
+    })
 }
 
 /// Mean radius of all disks, m; 0 without any.
@@ -151,13 +107,14 @@ fn mean_radius(frames: &[Frame]) -> f32 {
     (sum / number.max(1) as f64) as f32
 }
 
-/// Value that the given part of all values does not exceed; 0 without any.
-fn quantile(values: &mut [f32], part: f64) -> f32 {
-    if values.is_empty() {
-        return 0.0;
-    }
-    let at = (part * (values.len() - 1) as f64).round() as usize;
-    *values.select_nth_unstable_by(at, f32::total_cmp).1
+/// Values that these parts of all values do not exceed; 0 without any.
+fn quantiles<const N: usize>(values: impl Iterator<Item = f32>, parts: [f64; N]) -> [f32; N] {
+    let mut values: Vec<f32> = values.collect();
+    parts.map(|part| {
+        let Some(last) = values.len().checked_sub(1) else { return 0.0 };
+        let at = (part * last as f64).round() as usize;
+        *values.select_nth_unstable_by(at, f32::total_cmp).1
+    })
 }
 
 /// The box that shows the specimen in these frames without its stray grains, and its walls up to a

@@ -6,12 +6,10 @@ use std::path::PathBuf;
 
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
-use half::f16;
 use serde_json::Value;
 
 use super::choose::{File, choose};
-use super::columns::{Columns, most_steps, scale};
-use super::contacts::Contacts;
+use super::columns::{Columns, step};
 use super::movie::Movie;
 use super::run::Run;
 use super::*;
@@ -24,75 +22,26 @@ fn unpacked(text: &str) -> Vec<u8> {
     bytes
 }
 
+/// The whole numbers of a column of `rows` rows that begins at this byte.
+fn column(bytes: &[u8], at: usize, rows: usize) -> Vec<u32> {
+    let row = |k: usize| [0, 1, 2, 3].map(|plane| bytes[at + plane * rows + k]);
+    (0..rows).map(|k| u32::from_le_bytes(row(k))).collect()
+}
+
 #[test]
-fn columns_have_planes_and_stated_digits() {
-    let typical = 3.14159e7_f32;
-    let values = [0.0_f32, 1.0, -3.14159e7, 2.1e6, -1.234e6, 6.4321e-2, 6.4e13];
+fn columns_have_planes_and_numbers_their_step() {
+    let values = [0.0_f32, 1.0, -3.14159e7, 2.1e6, -1.234e6, 6.4321e-2, 6.4e13, f32::NAN];
+    let step = step(3.14159e7, 1.0 / 16_384.0);
+    assert_eq!(step, 1024.0);
     let mut columns = Columns::default();
     columns.counts(&[0x0403_0201, NONE]);
-    columns.changing_halves(&values, scale(typical));
-    let (text, codes) = columns.text();
-    let bytes = unpacked(&text);
-    assert_eq!(bytes.len(), 8 + 2 * values.len());
+    columns.numbers(&values, step);
+    let bytes = unpacked(&columns.text());
+    assert_eq!(bytes.len(), 8 + 4 * values.len());
     assert_eq!(bytes[..8], [1, 255, 2, 255, 3, 255, 4, 255]);
-    for (code, x) in codes[0].iter().zip(values) {
-        let bits = if *code < 0 { 0x8000 - code } else { *code };
-        let read = f16::from_bits(bits as u16).to_f64() * scale(typical);
-        let x = f64::from(x);
-        let is_large = x.abs() >= f64::from(typical) / 16.0;
-        let error = if is_large { x.abs() / 2048.0 } else { f64::from(typical) / 32_768.0 };
-        assert!((read - x).abs() <= error, "{x}: {read}");
-    }
-}
-
-/// The whole numbers of a column of `width` bytes at this place, after those of the frame before.
-fn changed(bytes: &[u8], at: usize, width: usize, before: &[i32]) -> Vec<i32> {
-    let n = before.len();
-    let one = |row: usize| {
-        let byte = |plane: usize| u32::from(bytes[at + plane * n + row]) << (8 * plane);
-        let code: u32 = (0..width).map(byte).sum();
-        let change = (code >> 1) as i32 ^ -((code & 1) as i32);
-        let beyond = 32 - 8 * width as u32;
-        (before[row].wrapping_add(change) << beyond) >> beyond
-    };
-    (0..n).map(one).collect()
-}
-
-#[test]
-fn columns_that_change_are_differences_and_lose_nothing() {
-    let (most, wide) = (most_steps(2), most_steps(3));
-    let mut before = Vec::new();
-    let mut read = [[0; 3], [0; 3], [0; 3], [0; 3], [0; 3]].map(Vec::from);
-    let steps = [[0.5, f32::NAN, -9.0], [f32::NAN, 1e9, -1e9], [0.0, -0.25, f32::NAN]];
-    let halves = [[0.0, 1.0, -2.5], [-60_000.0, 1.0, 60_000.0], [60_000.0, -1e-7, -60_000.0]];
-    let counts = [[0, NONE, 7], [NONE, 0, 8], [1, u32::MAX / 2, u32::MAX / 2 + 1]];
-    let states = [[255_u8, 1, 0], [0, 255, 128], [127, 0, 255]];
-    for k in 0..3 {
-        let mut columns = Columns::after(before);
-        columns.changing_steps(&steps[k], 0.25, 2);
-        columns.changing_steps(&steps[k], 1e-9, 3);
-        columns.changing_halves(&halves[k], 1.0);
-        columns.changing(counts[k].iter().map(|x| x.cast_signed()).collect(), 4);
-        columns.changing(states[k].iter().map(|x| i32::from(*x)).collect(), 1);
-        let (text, codes) = columns.text();
-        let bytes = unpacked(&text);
-        assert_eq!(bytes.len(), 3 * (2 + 3 + 2 + 4 + 1));
-        for (column, (at, width)) in [(0, 2), (6, 3), (15, 2), (21, 4), (33, 1)].iter().enumerate()
-        {
-            read[column] = changed(&bytes, *at, *width, &read[column]);
-        }
-        let whole = |x: f32, most: i32, step: f64| match x.is_nan() {
-            true => -most - 1,
-            false => (f64::from(x) / step).round().clamp(-f64::from(most), most.into()) as i32,
-        };
-        assert_eq!(read[0], steps[k].map(|x| whole(x, most, 0.25)), "{k}");
-        assert_eq!(read[1], steps[k].map(|x| whole(x, wide, 1e-9)), "{k}");
-        let bits = |code: &i32| if *code < 0 { 0x8000 - code } else { *code } as u16;
-        let floats: Vec<_> = read[2].iter().map(|code| f16::from_bits(bits(code))).collect();
-        assert_eq!(floats, halves[k].map(f16::from_f32), "{k}");
-        assert_eq!(read[3], counts[k].map(u32::cast_signed), "{k}");
-        assert_eq!(read[4].iter().map(|x| *x as u8).collect::<Vec<_>>(), states[k], "{k}");
-        before = codes;
+    for (bits, x) in column(&bytes, 8, values.len()).into_iter().zip(values) {
+        let read = f32::from_bits(bits);
+        assert!((read - x).abs() <= 0.5 * step || (read.is_nan() && x.is_nan()), "{x}: {read}");
     }
 }
 
@@ -173,15 +122,12 @@ fn bodies_and_bonds_have_a_row_over_the_whole_run() {
     // Places without displacement, radii, identities, materials, groups; bodies of the bond, bond.
     let still = unpacked(&movie.blocks[0]);
     assert_eq!(still.len(), 2 * 6 * 4 + 3 * 4);
+    // Nine numbers and the fragment of either body; state and three forces of the bond.
     let second = unpacked(&movie.blocks[2]);
-    // Two rows of displacement (x, y), rotation, two stresses in two bytes each, the fragment in
-    // four; the bond's state and two forces.
-    assert_eq!(second.len(), 2 * (5 * 2 + 4) + 1 + 2 * 2);
-    // Differences from the first frame, in which nothing has moved and the bond is whole.
-    let moved = changed(&second, 0, 2, &[0, 0]);
-    assert_eq!(moved, [most_steps(2), -most_steps(2) - 1]);
-    let state = changed(&second, 28, 1, &[1])[0] as u8;
-    assert_eq!(state, 255, "the bond is not there");
+    assert_eq!(second.len(), 4 * (2 * 10 + 4));
+    let [moved, gone] = [0, 1].map(|k| f32::from_bits(column(&second, 0, 2)[k]));
+    assert!(moved == 0.25 && gone.is_nan(), "{moved} {gone}");
+    assert_eq!(column(&second, 80, 1), [255], "the bond is not there");
 }
 
 #[test]
@@ -198,34 +144,4 @@ fn a_page_holds_any_text() {
         let found = page.replace("http://www.w3.org/2000/svg", "").contains(outside);
         assert!(!found, "the page refers to {outside}");
     }
-}
-
-#[test]
-fn contacts_have_a_row_from_one_whole_frame_to_the_next() {
-    let pairs = |pairs: &[(u32, u32, f32)]| FramePairs {
-        a: pairs.iter().map(|pair| pair.0).collect(),
-        b: pairs.iter().map(|pair| pair.1).collect(),
-        bond: vec![NONE; pairs.len()],
-        p_n: pairs.iter().map(|pair| pair.2).collect(),
-        ..FramePairs::default()
-    };
-    // Bodies 0, 4, 7 and 9 are particles, 2 is a wall, which comes after them in the page. Two
-    // images of a body touch another one in the last frame.
-    let index = |id: u32| [0, 4, 7, 9, 2].iter().position(|k| *k == id).unwrap() as u32;
-    let frames = [
-        pairs(&[(4, 2, 1.0), (4, 7, 2.0)]),
-        pairs(&[(0, 9, 3.0), (4, 7, 4.0)]),
-        pairs(&[(0, 4, 5.0), (4, 7, 6.0), (4, 7, 7.0)]),
-    ];
-    let contacts = Contacts::of(frames.iter(), index);
-    // (0, 4), (0, 9), (4, 7), (4, 7) once more, (4, 2)
-    let column = |of: &FramePairs| contacts.column(of, &of.p_n, index);
-    assert_eq!(column(&frames[0]), [0.0, 0.0, 2.0, 0.0, 1.0]);
-    assert_eq!(column(&frames[1]), [0.0, 3.0, 4.0, 0.0, 0.0]);
-    assert_eq!(column(&frames[2]), [5.0, 0.0, 6.0, 7.0, 0.0]);
-    let mut columns = Columns::default();
-    contacts.bodies(&mut columns);
-    let bytes = unpacked(&columns.text().0);
-    assert_eq!(bytes.len(), 2 * 5 * 4);
-    assert_eq!((&bytes[..5], &bytes[20..25]), (&[0, 0, 1, 0, 0][..], &[1, 3, 1, 1, 3][..]));
 }

@@ -3,10 +3,7 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use clastic_components::bond::Bond;
-use clastic_components::contact::{BodyTable, ContactTable};
-use clastic_components::increment::{AnalysisKind, ClasticAnalysis, ClasticProgress};
-use clastic_components::observation::Observation;
+use clastic_components::prelude::*;
 use clastic_cone::program::{ConeProgram, ConeSolution};
 use clastic_cone::residuals::multipliers;
 use clastic_systems::measures::strain::shear_of;

@@ -111,8 +111,7 @@
       seen.colours[value] = differing(picture(), end);
     }
     // Strains of the same grains, since the start and since the frame before.
-    const previous = await Report.frame(last - 1);
-    const strains = [Report.totalStrains(frame), Report.strainSteps(frame, previous)];
+    const strains = [frame.strain, frame.strainStep];
     seen.strains = chosen.map((i) => strains.map((of) => of[i]));
     // A resize leaves no blank picture behind.
     const box = document.getElementById("picture");
