@@ -144,9 +144,7 @@ def stability(
         ended_well(found)
         first = next((s["stage"] for s in found.record["stages"] if s["ended_by"] == "collapse"), "ramp")
         # A slide that came to rest has not collapsed.
-        before = found.history[found.history["stage"] != "ramp"][["stage", "sliding"]].dropna()
-        far = before[before["sliding"] >= _let(found, "share")]
-        first = str(far["stage"].iloc[0]) if len(far) else first
+        first = _slid_before_ramp(found.history, _let(found, "share")) or first
         if first != "ramp":
             raise ValueError(
                 f"{found.path}: it slides in stage {first}, before the ramp: give it more cohesion"
@@ -200,6 +198,13 @@ def stability(
         mechanism=mechanism,
         runs=pandas.DataFrame(folders.rows.values()),
     )
+
+
+def _slid_before_ramp(history: pandas.DataFrame, share: float) -> str | None:
+    """First stage before the ramp in which so much has slid. Slides that the ramp began are stages after it."""
+    before = history[(history["stage"] == "ramp").cumsum() == 0]
+    far = before[before["sliding"] >= share]
+    return str(far["stage"].iloc[0]) if len(far) else None
 
 
 def _let(run: Run, name: str) -> float:

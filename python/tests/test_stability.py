@@ -7,11 +7,13 @@ import time
 from pathlib import Path
 
 import numpy as np
+import pandas
 import pytest
 
 import clastic
 from clastic._folders import Folders
 from clastic._ramp import Ramp
+from clastic.stability import _slid_before_ramp
 from conftest import program
 
 #: Two disks under a ceiling, far above a floor.
@@ -175,6 +177,14 @@ def test_a_slope_that_slid_before_the_ramp_has_no_factor(tmp_path: Path) -> None
     weak = SCENES / "slope.ron", {**SLOPE, "let.cohesion": 1.0e3}
     with pytest.raises(ValueError, match="slides in stage (settle|weight), before the ramp"):
         clastic.stability(weak, height=2.0, toes=[(0.75, 0.6)], seeds=[1], out=tmp_path)
+
+
+def test_a_slide_that_the_ramp_began_is_none_before_it() -> None:
+    """A folder with finished slides was refused: "it slides in stage slide_1, before the ramp"."""
+    stages = ["weight", "ramp", "slide_1", "ramp"]
+    history = pandas.DataFrame({"stage": stages, "sliding": [None, 0.05, 0.2, 0.3]})
+    assert _slid_before_ramp(history, 0.1) is None
+    assert _slid_before_ramp(history.assign(sliding=0.2), 0.1) == "weight"
 
 
 @pytest.mark.parametrize("floor", ["-10.5", "-100.0"])
