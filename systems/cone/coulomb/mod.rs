@@ -6,7 +6,7 @@
 //! associated solution: both laws have the same admissible forces, so that a proof of collapse holds
 //! for both. From either start follow
 //!
-//! 1. an interior-point iteration (`interior`), in a time step from two starts;
+//! 1. an interior-point iteration (`interior`);
 //! 2. where it stalls, the path of the perturbed problem (`arc`), followed past its turning points,
 //!    from two starts. A time step within [`CAP`] times its tolerance goes without.
 //!
@@ -111,22 +111,14 @@ impl Coulomb {
         let u: Vec<_> =
             system.matrix.order().iter().map(|i| of(&start.displacements[*i], &du)).collect();
         let s: Vec<_> = start.forces.iter().map(|f| of(f, &df)).collect();
-        let near = if is_of_law { settings.share * trial.worst } else { settings.product };
-        let starts = match is_of_law && program.is_dynamic() {
-            true => vec![
-                (near, settings.max_near),
-                (settings.arc_products[0], settings.max_iterations - settings.max_near),
-            ],
-            false => vec![(near, settings.max_iterations)],
+        let product = match is_of_law {
+            true if program.is_dynamic() && trial.worst > settings.near => settings.arc_products[0],
+            true => settings.share * trial.worst,
+            false => settings.product,
         };
-        for (product, most) in starts {
-            let z = system.near(&u, &s, product);
-            let most = max.saturating_sub(system.factorisations).min(most);
-            interior::iterate(&mut system, z, &settings.interior, most, &mut trial);
-            if trial.is_solved() {
-                break;
-            }
-        }
+        let z = system.near(&u, &s, product);
+        let first = max.min(settings.max_iterations);
+        interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
         let enough = if program.is_dynamic() { CAP * goal.tolerance } else { goal.tolerance };
         for product in settings.arc_products {
             let left = max.saturating_sub(system.factorisations);

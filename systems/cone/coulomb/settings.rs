@@ -16,16 +16,16 @@ pub struct CoulombSettings {
     /// solution or after sweeps, and at the end of an arc, as a share of the residual that these leave
     /// (decision 004).
     pub share: f64 = 0.1,
-    /// Maximum number of factorisations from such products in a time step. What flows is close to its
-    /// solution after sweeps and needs three to six. What is jammed takes forty or fails, and five to ten
-    /// from the products of an arc.
-    /// 10: 42 time steps of 2000 disks take as long with 6; with products of arcs alone 0.7 times as long
-    /// to 1e-3 and 1.4 times to 1e-4.
-    pub max_near: u32 = 10,
+    /// Residual after the sweeps of a time step up to which it begins with such products; beyond it begins
+    /// with those of the first arc. Grains that flow are close to their solution then, which takes three to
+    /// six factorisations. Of jammed ones the wrong contacts carry load, and such products take forty or fail.
+    /// 1e-3: 21 time steps of 2000 disks to 1e-4 take 1.2 times as long with half of it, and as long with
+    /// double.
+    pub near: f64 = 1e-3,
     /// Maximum number of factorisations of the interior-point iteration.
     pub max_iterations: u32 = 40,
     /// Products at the start of the first and of the second arc, in a fixed order: runs repeat. A time
-    /// step that is not solved near the forces after sweeps is sought from the first before any arc.
+    /// step of jammed grains begins with the first.
     pub arc_products: [f64; 2] = [1e-1, 1e-3],
     /// Maximum number of factorisations of an arc.
     pub max_arc: u32 = 250,
