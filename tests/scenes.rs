@@ -197,11 +197,11 @@ scenes! {
     ];
     // At rest, before the sides are lifted.
     angle_of_repose: "angle_of_repose", COMPLETES, &[
-        ("porosity", 0.293010694941211),
+        ("porosity", 0.2921305344557362),
     ];
     hopper: "hopper", COMPLETES, &[
         // At rest on the plate.
-        ("porosity", 0.3293073274309566),
+        ("porosity", 0.3236789021186798),
     ];
     column_collapse_small: "column_collapse_small", COMPLETES, &[];
 
