@@ -14,6 +14,7 @@ use clastic_systems::stepping::{AdvanceIncrement, AdvanceSystems, is_due};
 use super::compact::{are_growing, grow, keep_radii};
 use super::key_results::{KEY_RESULTS, KeyResults, is_undecided, observe_increment};
 use super::pour::{POURED, pour};
+#[cfg(feature = "cli")]
 pub(crate) use super::provided::OWN_PROGRAM;
 pub use super::provided::{Provide, Provided};
 use super::provided::{has_measures, read_measures};

@@ -211,6 +211,7 @@ fn from_text(
 }
 
 /// A finding about a scene that was read, with its place in the text, whose file is `name`.
+#[cfg(feature = "cli")]
 pub(crate) fn placed(name: &Path, text: &str, finding: Finding) -> SceneErrors {
     let root = scan(text).0;
     let found = root.map(|root| place(&root, Written::of(&root).place(vec![finding]), &[]));
