@@ -33,7 +33,7 @@ pub struct ControlWalls;
 /// Collects loads of an embedding program. It runs once per trial: for every tried fraction of an
 /// increment and after every step of a followed motion. Its systems add to
 /// [`TrialLoads`]. They may read the initial state of the
-/// trial from [`BodyTable`](clastic_components::contact::BodyTable), while entities keep the last
+/// trial from [`BodyTable`], while entities keep the last
 /// committed state. The trial ends at `done + fraction` of
 /// [`ClasticProgress`].
 #[derive(ScheduleLabel, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -90,8 +90,8 @@ pub enum ControlSystems {
     /// Built-in controls, which scenes can name.
     BuiltIn,
     /// Boundary conditions of an embedding program. Its systems write
-    /// [`WallDrive`](clastic_components::wall::WallDrive) or
-    /// [`BodyDrives`](clastic_components::body::BodyDrives).
+    /// [`WallDrive`] or
+    /// [`BodyDrives`].
     Custom,
 }
 
