@@ -23,12 +23,12 @@ pub struct Results {
     pub poissons_ratio: Option<f64>,
     /// Axial stress with the maximum difference from that at the start of the reference stage.
     pub peak_stress_pa: Option<f64>,
-    /// Whether the increment of the peak is capped: its residual is then up to 1e-4, or ten times the accepted one.
+    /// Whether the increment of the peak is capped: its residual is then up to 1e-4.
     pub peak_is_capped: bool,
     /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
     /// Strength: the peak, once the test has passed it under a constant lateral stress. Either the
-    /// stress fell by a hundredth of the rise to the peak at a larger strain, or the specimen
+    /// stress fell by a hundredth of the rise to the peak without unloading, or the specimen
     /// collapsed.
     pub strength_pa: Option<f64>,
     /// Residual strength: mean of the axial stress over the last fifth of the axial strain, if that

@@ -356,6 +356,13 @@ fn a_test_that_ends_before_its_peak_has_no_strength() {
 }
 
 #[test]
+fn bonds_that_break_at_the_strain_of_the_peak_give_a_strength() {
+    let mut avalanche = whole()[..5].to_vec();
+    avalanche.extend([row(0.04, -0.05, 300.0, 250), row(0.04, -0.05, 100.0, 280)]);
+    near(tested(&avalanche, 1000).strength_pa, 500.0);
+}
+
+#[test]
 fn no_poissons_ratio_where_the_sides_are_held_or_pressed() {
     let held: Vec<_> = whole().iter().map(|row| Row { lateral: 0.0, ..*row }).collect();
     assert!(reason(&tested(&held, 0), "poissons_ratio").contains("held sideways"));
