@@ -111,20 +111,21 @@ fn mobility(program: &ConeProgram, c: &Interaction) -> f64 {
     of(c.a) + of(c.b)
 }
 
-/// Which clusters gain energy by the impulses of their contacts: each does work along the mean of the
-/// relative velocities before and after. What the loads give to bodies at rest, m (a dt)^2/2, is no
-/// gain, because rest and impact are distinguished no better. A single impact gains nothing.
+/// Which clusters gain energy, kinetic and potential. The impulse of a contact does work along the mean of the
+/// relative velocities before and after. Bodies move with the velocity after, so that an impulse which
+/// changes it by dv also takes half of f dt . dv from the loads f. A single impact gains nothing.
 fn gains(solved: Solved, clusters: &Clusters, carrying: &Carrying) -> Vec<bool> {
     let Solved { program, solution, .. } = solved;
     // Motion of the step at the velocity before; with restitution that at the end is u/dt.
     let mut motion_before = solution.displacements.clone();
-    // Twice the work of the contacts.
+    // Twice the energy that is lost, and what contacts exchange.
     let n = program.bodies.len();
     let (mut taken, mut exchanged, mut contacts) = (vec![0.0; n], vec![0.0; n], vec![0_u32; n]);
-    for ((body, root), u) in program.bodies.iter().zip(&clusters.root).zip(&mut motion_before) {
+    let moved = motion_before.iter_mut().zip(&solution.displacements);
+    for ((body, root), (before, after)) in program.bodies.iter().zip(&clusters.root).zip(moved) {
         for (k, free) in body.free().filter(|(_, free)| free.inertia > 0.0) {
-            u[k] = free.momentum / free.inertia;
-            taken[*root as usize] += (free.load - free.momentum).powi(2) / free.inertia;
+            before[k] = free.momentum / free.inertia;
+            taken[*root as usize] += (free.load - free.momentum) * (after[k] - before[k]);
         }
     }
     let all = program.interactions.iter().enumerate();

@@ -432,8 +432,8 @@ fn rolls_on_the_floor(disk: &State) -> bool {
     disk.position.y <= (1.0 + 1e-6) * disk.radius && slip.length() <= 1e-9
 }
 
-/// The energy of a heap falls up to what its disks gain in an increment of free fall from rest, m (g dt)^2/2: rest and
-/// impact of a cluster of disks are told apart to that, and overlaps within it are lifted.
+/// The energy of a heap falls, up to a thousandth of what a disk gains in an increment of free fall from rest, m (g
+/// dt)^2/2. It grew by up to that where an impulse lifted a cluster: bodies move with the velocity after it.
 #[test]
 fn a_heap_loses_energy_and_comes_to_rest() {
     for (law, theta, dt) in [
@@ -458,13 +458,13 @@ fn a_heap_loses_energy_and_comes_to_rest() {
         }
         let disks = states(&mut simulation);
         let moving: Vec<_> = disks.iter().filter(|s| s.velocity.length() > 1e-6).collect();
-        let resolved = 0.5 * disks.iter().map(|s| s.mass).sum::<f64>() * (G * dt).powi(2);
+        let resolved = 0.5 * disk_weight() / G * (G * dt).powi(2);
         println!(
             "{law}, theta {theta}, dt {dt}: {start:e} to {last:e} J; grows by {growth:e} J at most ({resolved:e} J in \
              a free increment), {sum:e} J together; {} move",
             moving.len()
         );
-        assert!(growth <= resolved, "{law} {theta}: grew by {growth:e} J");
+        assert!(growth <= 1e-3 * resolved, "{law} {theta}: grew by {growth:e} J");
         assert!(sum <= 1e-4 * (start - last), "{law} {theta}: grew by {sum:e} J together");
         // One disk beside the heap may roll: nothing stops it but the next impact.
         let rolls = moving.len() == 1 && rolls_on_the_floor(moving[0]);
