@@ -1,5 +1,5 @@
 //! Why a loading stage cannot begin: selections without particles, walls where particles are or
-//! behind which they lie.
+//! behind which they lie, stresses on lengths that end.
 
 use bevy_ecs::prelude::*;
 
@@ -22,6 +22,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .or_else(|| cuts_through(world, stage))
         .or_else(|| leaves_behind(world, stage))
         .or_else(|| meets_nothing(world, stage))
+        .or_else(|| loses_its_length(world, stage))
         .or_else(|| rigid::refusal(world, stage))
         .or_else(|| membranes::refusal(world, stage))
 }
@@ -109,4 +110,25 @@ fn leaves_behind(world: &mut World, stage: &scene::Load) -> Option<String> {
         "wall `{wall}` of add_walls comes with {number} behind it; a wall has its inside on the left of start to \
          end; exchange them, or take such particles away before (`Remove`)"
     ))
+}
+
+/// A wall keeps a stress on the distance of two walls of which the stage removes one. The stage is
+/// refused, because the wall would silently lose its load.
+fn loses_its_length(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let mut walls = world.query::<(&BodyId, &WallName, &WallControl)>();
+    walls.iter(world).sort_unstable::<&BodyId>().find_map(|(_, WallName(wall), control)| {
+        let WallControl::Stress { length: LoadedLength::Between(a, b), .. } = *control else {
+            return None;
+        };
+        if stage.walls.contains_key(wall) || stage.remove_walls.contains(wall) {
+            return None;
+        }
+        let (a, b) = (&world.get::<WallName>(a)?.0, &world.get::<WallName>(b)?.0);
+        let gone = [a, b].into_iter().find(|name| stage.remove_walls.contains(name))?;
+        Some(format!(
+            "the stress that wall `{wall}` keeps acts on the distance of walls `{a}` and `{b}`, and \
+             remove_walls takes `{gone}` away; give it another control in this stage: \
+             `walls: {{ \"{wall}\": Fixed }}`"
+        ))
+    })
 }

@@ -339,12 +339,12 @@ fn the_membrane_of_the_documentation_runs_as_it_stands() {
 }
 
 #[test]
-fn walls_on_which_a_kept_stress_acts_stay_or_the_scene_is_refused_with_their_names() {
+fn walls_on_which_a_kept_stress_acts_stay_or_the_stage_is_refused_with_their_names() {
     let wrap = r#"Load(name: "wrap", increments: 1, CONTROL remove_walls: ["left", "right"],
         membranes: { "sides": (pressure: 200.0e3, between: ("bottom", "top")) }),"#;
     let error = loaded(&after_confining(&wrap.replace("CONTROL", ""))).unwrap_err().to_string();
     assert!(error.contains("walls `left` and `right`"), "{error}");
-    // A program that does not check its scene stops before the wall loses its load.
+    // A program that does not check its scene.
     let fixed = r#"walls: { "top": Fixed, "bottom": Fixed },"#;
     let clastic::scene::LoadedScene { mut scene, specimen, .. } =
         loaded(&after_confining(&wrap.replace("CONTROL", fixed))).unwrap();
@@ -353,8 +353,11 @@ fn walls_on_which_a_kept_stress_acts_stay_or_the_scene_is_refused_with_their_nam
     };
     load.walls.remove("top");
     let outcome = Simulation::new(&scene, specimen.as_ref()).run();
-    let Outcome::Halted(message) = outcome else { panic!("{outcome:?}") };
-    assert!(message.contains("in stage `wrap`: the stress on wall `top`"), "{message}");
+    let Outcome::Refused { stage, message } = outcome else { panic!("{outcome:?}") };
+    assert_eq!(stage, "wrap");
+    for name in ["`top`", "`left`", "`right`"] {
+        assert!(message.contains(name), "{message}");
+    }
 }
 
 /// A rewind left the membrane beside the one of the state, so that the pressure was twice as high.

@@ -54,14 +54,15 @@ const ROUNDING: f64 = 1e-6;
 /// measured, which its walls, its membrane or its cell bound, and its grains are not on a lattice,
 /// which has no random structure to average over.
 pub(super) fn is_specimen(scene: &Scene) -> bool {
-    let is_whole = matches!(
-        (scene.strain("axial_strain"), scene.stress("axial_stress")),
-        (
-            Some(Strain::Walls(..) | Strain::Membrane(..) | Strain::Cell(..)),
-            Some(Stress::Walls { .. } | Stress::Membrane(..) | Stress::Average { .. }),
-        )
+    let strained = matches!(
+        scene.strain("axial_strain"),
+        Some(Strain::Walls(..) | Strain::Membrane(..) | Strain::Cell(..))
     );
-    is_whole && !matches!(scene.specimen, Specimen::Lattice { .. })
+    let stressed = matches!(
+        scene.stress("axial_stress"),
+        Some(Stress::Walls { .. } | Stress::Membrane(..) | Stress::Average { .. })
+    );
+    strained && stressed && !matches!(scene.specimen, Specimen::Lattice { .. })
 }
 
 /// The ratios and the warnings of a run so far.
@@ -109,56 +110,57 @@ impl Report {
     /// stiffness of the contacts is then that of the material, and no choice.
     fn with_warnings(mut self, is_bonded: bool, is_rock: bool) -> Self {
         let mut warnings = Vec::new();
-        let mut warn =
-            |value: Option<f64>, is_beyond: &dyn Fn(f64) -> bool, say: &dyn Fn(f64) -> String| {
-                warnings.extend(value.filter(|value| is_beyond(*value)).map(say));
-            };
-        let soft = |level| level < STIFF * (1.0 - ROUNDING) && !is_rock;
-        warn(self.stiffness_over_pressure, &soft, &|level| {
-            format!(
-                "k/(p h) is {}: below 1000 the deflection of the contacts changes friction angle and volume; give \
-                 stiffer contacts or a lower stress (da Cruz et al. 2005 take 1e4 for rigid grains)",
+        let soft = |level: &f64| *level < STIFF * (1.0 - ROUNDING) && !is_rock;
+        if let Some(level) = self.stiffness_over_pressure.filter(soft) {
+            warnings.push(format!(
+                "k/(p h) is {}: below 1000 the deflection of the contacts changes friction \
+                 angle and volume with the pressure; give stiffer contacts or a lower stress (da \
+                 Cruz et al. 2005 take 1e4 for rigid grains)",
                 short(level)
-            )
-        });
-        warn(self.maximum_overlap_over_radius, &|overlap| overlap > OVERLAP, &|overlap| {
-            format!(
+            ));
+        }
+        if let Some(overlap) = self.maximum_overlap_over_radius.filter(|o| *o > OVERLAP) {
+            warnings.push(format!(
                 "contacts overlap by up to {:.1} % of a radius: linear contacts assume small overlaps; \
                  give stiffer contacts (Cleary and Sawley 2002 keep the mean below 1 %)",
                 100.0 * overlap
-            )
-        });
-        warn(self.inertial_number, &|number| number > QUASI_STATIC, &|number| {
-            format!(
-                "the inertial number is {number:.1e}: above 1e-3 stresses depend on the rate; load more slowly (GDR \
-                 MiDi 2004; da Cruz et al. 2005)"
-            )
-        });
-        warn(self.increment_over_elastic_strain, &|ratio| ratio > STEP, &|ratio| {
-            format!(
-                "an increment strains the specimen by {ratio:.1} elastic strains: modulus and first yield, and from 1 \
-                 % strain the strength, are not resolved; give smaller increments (Roux and Combe 2002)"
-            )
-        });
-        warn(self.opening_over_closure, &|ratio| ratio > OPENED, &|ratio| {
-            format!(
-                "the gaps that sliding contacts open in an increment are {} of their elastic closure: the associated \
-                 law overestimates friction and dilation; give increments that are {:.0} times smaller, or \
-                 `friction_law: Coulomb()`",
+            ));
+        }
+        if let Some(number) = self.inertial_number.filter(|number| *number > QUASI_STATIC) {
+            warnings.push(format!(
+                "the inertial number is {number:.1e}: above 1e-3 stresses depend on the rate; load \
+                 more slowly (GDR MiDi 2004; da Cruz et al. 2005)"
+            ));
+        }
+        if let Some(ratio) = self.increment_over_elastic_strain.filter(|ratio| *ratio > STEP) {
+            warnings.push(format!(
+                "an increment strains the specimen by {ratio:.1} elastic strains: the initial modulus, \
+                 the first yield and, in increments of 1 % strain or more, the strength are not \
+                 resolved; give smaller increments (p h/k is the range of elastic strain, Roux and \
+                 Combe 2002)"
+            ));
+        }
+        if let Some(ratio) = self.opening_over_closure.filter(|ratio| *ratio > OPENED) {
+            warnings.push(format!(
+                "the gaps that sliding contacts open in an increment are {} of their elastic closure: the \
+                 associated law overestimates friction and dilation; give increments that are {:.0} times \
+                 smaller, or `friction_law: Coulomb()`",
                 short(ratio),
                 (ratio / (0.5 * OPENED)).ceil()
-            )
-        });
+            ));
+        }
         let (enough, source) = if is_bonded {
             (ROCK, "ISRM 1979 asks for ten of the largest grains")
         } else {
             (SOIL, "ASTM D7181 asks for six of the largest particles")
         };
-        warn(self.disks_across, &|disks| disks < enough * (1.0 - ROUNDING), &|disks| {
-            format!(
-                "{disks:.1} of the largest disks lie across the specimen: too few for a stress ({source})"
-            )
-        });
+        let few = |disks: &f64| *disks < enough * (1.0 - ROUNDING);
+        if let Some(disks) = self.disks_across.filter(few) {
+            warnings.push(format!(
+                "{disks:.1} of the largest disks lie across the specimen: too few for the stress of a \
+                 continuum ({source})"
+            ));
+        }
         self.warnings = warnings;
         self
     }

@@ -391,12 +391,10 @@ fn stages() {
         (CONTROL, "particles: [(select: All, x: Velocity(1.0))]",
          "22:42: stages[0].particles[0].x: a velocity in a static stage, which has no time; use `Displacement`, in every increment, or a dynamic analysis"),
         (r#""top": Force(1.0)"#, r#""top": Stress(stress: 1.0, between: ("top", "bottom"))"#,
-         "22:57: stages[0].walls.top.between: wall `top` is at no end of wall `top`; name two walls at its ends, as left and right of a lid
-22:58: stages[0].walls.top.between[0]: the wall itself (`top`); name the two walls that bound its loaded length"),
+         "22:58: stages[0].walls.top.between[0]: the wall itself (`top`); name the two walls that bound its loaded length"),
         (r#""top": Force(1.0)"#, r#""top": Stress(stress: NaN, between: ("bottom", "bottom"))"#,
          "22:43: stages[0].walls.top.stress: not finite (NaN); give a stress in Pa
-22:57: stages[0].walls.top.between: a wall given twice; name two walls
-22:57: stages[0].walls.top.between: wall `bottom` is at no end of wall `top`; name two walls at its ends, as left and right of a lid"),
+22:57: stages[0].walls.top.between: a wall given twice; name two walls"),
         (CONTROL, r#"remove_walls: ["top"], walls: {"top": Fixed}"#,
          "22:51: stages[0].walls.top: wall `top` is not there in this stage; bring it in with `add_walls`"),
         (CONTROL, r#"remove_walls: ["top", "top"], add_walls: ["bottom"]"#,

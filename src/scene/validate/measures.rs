@@ -93,23 +93,26 @@ fn normal(context: &Context, wall: &str) -> Option<DVec2> {
 /// Checks that a measure under the name of one of [`ROLES`] is a normal strain or a stress.
 fn names_a_role(at: &mut At, name: &str, of: &Quantity) {
     use StrainComponent::{Rotation, Volumetric, Xy};
-    let shears = matches!(
-        of,
+    let other = match of {
         Quantity::Strain(
-            Strain::Cell(CellStrain::Shear)
-                | Strain::Region { component: Xy | Rotation | Volumetric, .. }
-        )
-    );
+            Strain::Cell(CellStrain::Shear) | Strain::Region { component: Xy, .. },
+        ) => Some("shear_strain"),
+        Quantity::Strain(Strain::Region { component: Rotation, .. }) => Some("rotation_rad"),
+        Quantity::Strain(Strain::Region { component: Volumetric, .. }) => Some("volume"),
+        _ => None,
+    };
     let (kind, fits) = if name.ends_with("strain") {
         ("Strain", matches!(of, Quantity::Strain(_)))
     } else {
         ("Stress", matches!(of, Quantity::Stress(_)))
     };
-    let what = if shears { "normal strain" } else { &kind.to_lowercase() };
+    let what = if other.is_some() { "normal strain" } else { &kind.to_lowercase() };
     let message = format!("`{name}` is the name of a {what}");
-    let help = format!("write `of: {kind}(...)`, or give another name");
-    let help = if shears { "give another name, such as `shear_strain`" } else { &help };
-    at.refuse(!fits || shears, "of", message, help);
+    let help = match other {
+        Some(other) => format!("give another name, such as `{other}`"),
+        None => format!("write `of: {kind}(...)`, or give another name"),
+    };
+    at.refuse(!fits || other.is_some(), "of", message, help);
 }
 
 fn quantity(at: &mut At, of: &Quantity) {

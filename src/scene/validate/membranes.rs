@@ -114,8 +114,10 @@ fn made(at: &mut At, name: &str, control: &MembraneControl) {
         right > FRAC_1_SQRT_2 && wall.shape.is_straight() && at.is_there(&wall.name) == Some(true)
     };
     if let Some(wall) = at.context.scene.walls.iter().find(holds) {
-        let message =
-            format!("wall `{}` stays beside membrane `{name}` and holds its grains", wall.name);
+        let message = format!(
+            "wall `{}` stays beside membrane `{name}` and would hold its grains",
+            wall.name
+        );
         at.add("", message, format!("take it away: `remove_walls: [\"{}\"]`", wall.name));
     }
 }

@@ -89,7 +89,9 @@ fn loaded_between(at: &mut At, name: &str, between: Option<&(String, String)>) {
     }
     at.pair("between", (a, b), "wall");
     are_apart(at, "between", (a, b));
-    bounds(at, "between", (a, name));
+    if a != b && a != name {
+        bounds(at, "between", (a, name));
+    }
 }
 
 fn lid(at: &mut At, name: &str, load: &LidLoad, slide: Slide) {
