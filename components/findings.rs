@@ -7,7 +7,6 @@ use glam::DVec2;
 use crate::bond::Rupture;
 use crate::contact::Contact;
 use crate::increment::Acceptance;
-use clastic_cone::coulomb::CAP;
 use clastic_cone::program::Residuals;
 
 /// Sorted pairs that pruned detection left out and that a solution closed.
@@ -101,13 +100,12 @@ pub struct Sliding {
 
 impl Sliding {
     /// Maximum residual at which a solution under Coulomb's law is committed, unless the scene accepts
-    /// a tenth of it or more.
+    /// a greater one.
     pub const BOUND: f64 = 1e-4;
 
-    /// The bound of a scene: [`BOUND`](Self::BOUND), or [`CAP`] times the residual that it accepts if that is
-    /// greater.
+    /// The bound of a scene: [`BOUND`](Self::BOUND), or the residual that it accepts if that is greater.
     pub fn bound(acceptance: &Acceptance) -> f64 {
-        Self::BOUND.max(CAP * acceptance.residual)
+        acceptance.residual.max(Self::BOUND)
     }
 }
 

@@ -121,8 +121,7 @@ fn warnings(script: &Script) -> Vec<String> {
     let mut lines: Vec<_> = of_ends.map(|warning| format!("WARNING: {warning}")).collect();
     let capped = || ends.iter().filter(|end| end.capped > 0);
     if capped().next().is_some() {
-        let mut line = "a capped increment has not converged: it satisfies Coulomb's law only to a residual of 1e-4, \
-                        or ten times `acceptance.residual`"
+        let mut line = "a capped increment has not converged: it satisfies Coulomb's law to a residual of 1e-4 only"
             .to_owned();
         if capped().any(|end| is_dynamic(script, end)) {
             line += "; in dynamic stages a `normal_stiffness` of the grains of at most 50 m/dt^2, with m the mass of \

@@ -77,7 +77,7 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
 /// All fields of the solver of Coulomb's law.
 pub fn of_coulomb() -> Vec<Field<CoulombSettings>> {
     let mut fields = fields![CoulombSettings:
-        product, share, near, max_iterations, max_close, arc_products, max_arc, max_sharpening, sharp, progress,
+        product, share, near, max_iterations, arc_products, max_arc, max_sharpening, sharp, progress,
         refined, interior.regularisation, interior.short_step, interior.max_short_steps,
         interior.patience, interior.centring_step,
         arc.regularisation, arc.close, arc.shortening, arc.divergence,

@@ -181,7 +181,7 @@
       "Capped increments",
       record.capped_increments === 0,
       format(record.capped_increments),
-      "Coulomb\u2019s law holds to 1e-4 or ten times the tolerance, but not to it",
+      "Coulomb\u2019s law holds to 1e-4, but not to the tolerance",
     );
     add(
       "Increments at an iteration limit",

@@ -8,7 +8,7 @@
 //!
 //! 1. an interior-point iteration (`interior`);
 //! 2. where it stalls, the path of the perturbed problem (`arc`), followed past its turning points,
-//!    from two starts, in a time step within [`CAP`] times its tolerance only for a while.
+//!    from two starts.
 //!
 //! In statics none, one or several solutions may exist; the order of the starts is fixed, so that
 //! runs repeat. In dynamics with a small time step the solution is unique.
@@ -27,11 +27,6 @@ use super::condensed::matrix::UnsymmetricMatrix;
 use super::condensed::settings::DEFAULT_RESIDUAL;
 use super::condensed::{sleeping, sweeps};
 use super::residuals::{applied_force, choose_displacements, min_force, natural_map};
-
-/// Residual of a time step, over its tolerance, up to which it is committed and marked where a limited search
-/// finds no better one ([`max_close`](CoulombSettings::max_close)).
-/// 10: the run-out of a column to 1e-3 is that to 1e-4 within 1.3 %.
-pub const CAP: f64 = 10.0;
 
 /// Requirements on a solution.
 #[derive(Clone, Copy, Debug)]
@@ -119,9 +114,7 @@ impl Coulomb {
         let first = max.min(settings.max_iterations);
         interior::iterate(&mut system, z, &settings.interior, first, &mut trial);
         for product in settings.arc_products {
-            let is_close = program.is_dynamic() && trial.worst <= CAP * goal.tolerance;
-            let most = if is_close { max.min(settings.max_close) } else { max };
-            let left = most.saturating_sub(system.factorisations);
+            let left = max.saturating_sub(system.factorisations);
             if trial.is_solved() || left == 0 {
                 break;
             }

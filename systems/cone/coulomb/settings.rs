@@ -24,11 +24,6 @@ pub struct CoulombSettings {
     pub near: f64 = 1e-3,
     /// Maximum number of factorisations of the interior-point iteration.
     pub max_iterations: u32 = 40,
-    /// Maximum number of factorisations of a time step that is within [`CAP`](super::CAP) times its
-    /// tolerance.
-    /// 100: without it 26 of 800 time steps of 2000 disks take half of all factorisations to 1e-4; with 40
-    /// one to six steps of the small dynamic scenes are capped.
-    pub max_close: u32 = 100,
     /// Products at the start of the first and of the second arc, in a fixed order: runs repeat. A time
     /// step of jammed grains begins with the first.
     pub arc_products: [f64; 2] = [1e-1, 1e-3],
