@@ -38,6 +38,22 @@ fn a_plate_that_lifts_off_gives_no_friction_angle() {
     assert!((angle(1.0e3 / 3.0).unwrap() - 0.5_f64.asin()).abs() < 1e-12);
 }
 
+/// Stress over strain between fixed side walls is no E: it had a value where the stress of the sides was not measured.
+#[test]
+fn an_oedometer_has_no_modulus_whether_or_not_its_lateral_stress_is_measured() {
+    let measures = "measures=[(name: \"axial_strain\", of: Strain(Walls(\"bottom\", \"lid\"))), \
+                    (name: \"axial_stress\", of: Stress(Walls(walls: [\"bottom\", \"lid\"], length: Fixed(0.204))))]";
+    for set in [measures, "let.seed=1"] {
+        let (done, out) = run("oedometer", &["--quiet", "--set", set, "--set", "output.plots=false"]);
+        done.code(0);
+        let results = &read_json(out.path(), "run.json")["results"];
+        for name in ["youngs_modulus_pa", "youngs_modulus_secant_half_peak_pa"] {
+            let reason = results["not_defined"][name].as_str();
+            assert_eq!(reason, Some("the lateral stress changes during the test"), "{name}");
+        }
+    }
+}
+
 /// An area of 1 m^2 gave friction angles of 82 and 71 degrees for 23, and E of 0.2 MPa for 18.
 #[test]
 fn wrong_lengths_and_areas_of_stresses_give_neither_modulus_nor_friction_angle() {

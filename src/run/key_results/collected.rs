@@ -50,6 +50,9 @@ pub struct KeyResults {
     /// Kinetic energy of the increment that is recorded next, over the volume of the particles,
     /// J/m^3; 0 in a static one.
     pub(super) kinetic: f64,
+    /// Normal force of a wall beside the specimen over that of a platen, in the increment that is
+    /// recorded next.
+    pub(super) thrust: f64,
     pub(super) results: Results,
 }
 
@@ -70,6 +73,8 @@ pub(super) struct Point {
     pub(super) volume: Option<f64>,
     /// Lateral stress, Pa.
     pub(super) lateral_stress: Option<f64>,
+    /// Force of a wall beside the specimen over the area of a platen, Pa.
+    pub(super) beside: f64,
     /// Number of bonds that broke so far.
     pub(super) broken: usize,
 }
@@ -85,6 +90,7 @@ impl Default for Point {
             lateral_strain: None,
             volume: None,
             lateral_stress: None,
+            beside: 0.0,
             broken: 0,
         }
     }
@@ -178,6 +184,7 @@ impl KeyResults {
             lateral_strain: o.lateral_strain,
             volume: o.volumetric_strain,
             lateral_stress: o.lateral_stress,
+            beside: self.thrust * stress,
             broken: o.broken.iter().sum(),
         };
         self.last = Some(point);

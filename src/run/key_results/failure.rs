@@ -62,11 +62,11 @@ impl KeyResults {
     }
 
     /// Whether the lateral stress is constant, within [`STAYS`], from the start of the stage to a
-    /// point of the curve. A lateral stress that is not measured counts as constant. A specimen
-    /// without stress at the start has no lateral one.
+    /// point of the curve. Where it is not measured, it is that of walls beside the specimen. A
+    /// specimen without stress at the start has no lateral one.
     pub(super) fn lateral_stays_to(&self, to: &Point) -> bool {
         let place = self.curve.iter().position(|point| point == to).unwrap_or(0);
-        let start = self.start.lateral_stress.unwrap_or(0.0);
+        let start = self.start.lateral_stress.unwrap_or(self.start.beside);
         self.lateral_stays(Some(start), &self.curve[..=place])
     }
 
@@ -74,7 +74,7 @@ impl KeyResults {
     fn lateral_stays(&self, start: Option<f64>, curve: &[Point]) -> bool {
         let (mut first, mut change, mut gain) = (start, 0.0_f64, 0.0_f64);
         for point in curve {
-            let Some(lateral) = point.lateral_stress else { continue };
+            let lateral = point.lateral_stress.unwrap_or(point.beside);
             change = change.max((lateral - *first.get_or_insert(lateral)).abs());
             gain = gain.max((point.stress - self.start.stress).abs());
         }

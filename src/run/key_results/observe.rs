@@ -1,13 +1,16 @@
 //! Systems: the key results follow every increment.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use bevy_ecs::prelude::*;
+use glam::DVec2;
 
 use clastic_components::attempt::IncrementStatus;
+use clastic_components::body::BodyExternalForce;
 use clastic_components::contact::BodyTable;
 use clastic_components::increment::{ClasticAnalysis, ClasticProgress};
-use clastic_components::observation::{Observation, RuptureCount};
+use clastic_components::observation::{Measures, Observation, RuptureCount, StressMeasure};
+use clastic_components::wall::Wall;
 use clastic_systems::identities::IdentityTable;
 use clastic_systems::measures::kept::kept_stresses;
 
@@ -28,6 +31,7 @@ pub(crate) fn observe_increment(
     observation: Res<Observation>,
     (bodies, analysis): (Res<BodyTable>, Res<ClasticAnalysis>),
     identities: Res<IdentityTable>,
+    (measures, walls): (Res<Measures>, Query<(Entity, &Wall, &BodyExternalForce)>),
     mut results: ResMut<KeyResults>,
 ) {
     let is_compaction = matches!(script.stage(progress.stage), Some(Stage::Compact(_)));
@@ -40,7 +44,27 @@ pub(crate) fn observe_increment(
     let area: f64 = bodies.radii.iter().map(|r| PI * r * r).sum();
     let volume = area * analysis.thickness;
     results.kinetic = analysis.kind.dt().map_or(0.0, |_| observation.kinetic_energy / volume);
+    results.thrust = thrust_beside(&measures, &walls);
     results.observe(&observation, phase);
+}
+
+/// Maximum normal force of the walls beside the specimen over that of its platens; 0 where the axial stress is not
+/// that of walls.
+fn thrust_beside(measures: &Measures, walls: &Query<(Entity, &Wall, &BodyExternalForce)>) -> f64 {
+    let Some(StressMeasure::Walls { walls: platens, .. }) = &measures.axial_stress else {
+        return 0.0;
+    };
+    let Some(Ok((_, platen, _))) = platens.first().map(|wall| walls.get(*wall)) else { return 0.0 };
+    let (mut on, mut beside) = (0.0_f64, 0.0_f64);
+    for (entity, wall, force) in walls {
+        let force = DVec2::new(force.0[0], force.0[1]).dot(wall.inward()).abs();
+        if platens.contains(&entity) {
+            on = force.max(on);
+        } else if wall.inward().dot(platen.inward()).abs() < FRAC_1_SQRT_2 {
+            beside = force.max(beside);
+        }
+    }
+    if on > 0.0 { beside / on } else { 0.0 }
 }
 
 /// Records the bonds that are there. A stage that makes bonds may be the last one, which no
