@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 use glam::DVec2;
 
 use clastic_components::attempt::{Attempt, Verdict};
-use clastic_components::contact::{BodyTable, BondRow};
+use clastic_components::contact::BondRow;
 use clastic_components::findings::Sliding;
 use clastic_components::increment::{Acceptance, ClasticAnalysis};
 use clastic_components::motion::Motion;
@@ -95,17 +95,21 @@ fn travel_to_rest(solved: Solved, grain: usize, travelled: f64, settings: &Motio
     let touched = solved.contacts.0.iter().filter(|contact| moves(contact.a as usize));
     let bowls = touched.filter_map(|contact| centre_of_curve(bodies, contact));
     let of_bowls = bowls.map(DVec2::length).fold(0.0, f64::max);
-    within(of_groups.max(of_bowls).max(tether(bodies, moves)))
+    within(of_groups.max(of_bowls).max(tether(solved, moves)))
 }
 
-/// Maximum distance between two particles of a fragment, the first one that is held or bonded to a wall and
-/// another, m; 0 if nothing holds it.
-fn tether(bodies: &BodyTable, moves: impl Fn(usize) -> bool) -> f64 {
+/// Maximum distance between two particles of a fragment, the first one that is held or bonded to a held wall
+/// and another, m; 0 if nothing holds it.
+fn tether(solved: Solved, moves: impl Fn(usize) -> bool) -> f64 {
+    let Solved { bodies, program, .. } = solved;
     let members = || (0..bodies.particles).filter(|i| moves(*i));
-    let is_on_wall =
-        |bond: &BondRow, i: usize| bond.a as usize == i && bond.b as usize >= bodies.particles;
-    let holds =
-        |i: &usize| is_imposed(bodies, *i) || bodies.bonds.iter().any(|bond| is_on_wall(bond, *i));
+    // A wall under a force moves with what it is bonded to.
+    let stands = |wall: usize| !program.bodies[wall].free().any(|(k, _)| k < 2);
+    let is_on = |bond: &BondRow, i: usize| {
+        let other = bond.b as usize;
+        bond.a as usize == i && other >= bodies.particles && stands(other)
+    };
+    let holds = |i: &usize| is_imposed(bodies, *i) || bodies.bonds.iter().any(|b| is_on(b, *i));
     let from = members().find(holds).map(|i| bodies.positions[i]);
     from.map_or(0.0, |from| {
         members().map(|i| bodies.positions[i].distance(from)).fold(0.0, f64::max)

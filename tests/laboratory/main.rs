@@ -85,6 +85,17 @@ fn coulombs_law_converges_in_nearly_every_increment() {
     }
 }
 
+/// A piece that hangs on a platen under a stress goes where the platen goes. It had half a turn of its length to find
+/// rest in, as if the platen stood, and the run ended as undecided.
+#[test]
+fn specimens_that_a_stress_pulls_apart_collapse() {
+    let plans: Vec<Plan> = [106, 159, 179, 199].map(Plan::new).into();
+    for report in run::all(&plans, threads()) {
+        let (seed, reason) = (report.seed, report.verdict.reason());
+        assert!(matches!(report.verdict, Verdict::Collapsed { .. }), "seed {seed}: {reason}");
+    }
+}
+
 /// The same seed gives the same scene, and the engine reads all of them without error.
 #[test]
 fn scenes_are_drawn_from_their_seed_and_read_without_error() {
