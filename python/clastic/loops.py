@@ -27,7 +27,7 @@ TURNED = 0.02
 def loops(run: Run, strain: str = "axial_strain", stress: str = "axial_stress_pa") -> pandas.DataFrame:
     """Loops of a run, in order: ``begin`` and ``end`` (increments), ``modulus_pa``, ``damping``,
     ``strain_range``, ``stress_range_pa`` and ``loss_j_m3`` (dW). The way to the first turning point is in
-    none. Other columns of the history, such as those of a shear, serve as ``strain`` and ``stress``.
+    none, and a last loop that does not come back within 2 % of its range either. Other columns of the history, such as those of a shear, serve as ``strain`` and ``stress``.
 
     Raises
     ------
@@ -38,7 +38,7 @@ def loops(run: Run, strain: str = "axial_strain", stress: str = "axial_stress_pa
 
     rows = run.history.dropna(subset=[strain, stress])
     x, y = rows[strain].to_numpy(), rows[stress].to_numpy()
-    turns = _turns(x)
+    turns = _closed(x, y, _turns(x))
     if len(turns) < 3:
         raise ValueError(f"{run.path}: no loop: {strain} turns {len(turns)} times, its end counted")
     table = []
@@ -53,6 +53,18 @@ def loops(run: Run, strain: str = "axial_strain", stress: str = "axial_stress_pa
         table.append([*increments, stresses / strains, damping, strains, stresses, loss])
     names = ["begin", "end", "modulus_pa", "damping", "strain_range", "stress_range_pa", "loss_j_m3"]
     return pandas.DataFrame(table, columns=names)
+
+
+def _closed(x: np.ndarray, y: np.ndarray, turns: list[int]) -> list[int]:
+    """The turning points, the last loop ending where strain or stress comes back to that at its begin."""
+    if len(turns) < 3 or len(turns) % 2 == 0:
+        return turns
+    begin, middle, last = turns[-3:]
+    for of in (x, y):
+        away = np.abs(of[middle : last + 1] - of[begin])
+        if away.min() <= TURNED * away[0]:
+            return [*turns[:-1], middle + int(away.argmin())]
+    return turns[:-1]
 
 
 def _turns(x: np.ndarray) -> list[int]:

@@ -48,6 +48,20 @@ def test_a_friction_block_has_the_damping_of_a_parallelogram() -> None:
     assert table["damping"][0] == pytest.approx(2.0 * 2e3 * 1e-3 / (np.pi * 1.2e7 * 1e-6), rel=5e-3)
 
 
+def test_a_last_loop_ends_where_it_began_or_is_none() -> None:
+    legs = [np.linspace(0.0, 1.0, 500), np.linspace(1.0, -1.0, 1000), np.linspace(-1.0, 1.0, 1000)]
+    legs += [np.linspace(1.0, -1.0, 1000)]
+    strain = 1e-3 * np.concatenate(legs)
+    stress = 1e7 * strain + 2e3 * np.sign(np.gradient(strain))
+    whole = clastic.loops(Recorded(strain, stress))
+    for more in (np.linspace(-1.0, -0.6, 200), np.linspace(-1.0, 3.0, 2000)):
+        way = np.concatenate([strain, 1e-3 * more])
+        table = clastic.loops(Recorded(way, 1e7 * way + 2e3 * np.sign(np.gradient(way))))
+        assert table["damping"][0] == pytest.approx(whole["damping"][0], rel=1e-9)
+        assert table["strain_range"].to_numpy() == pytest.approx(2e-3, rel=1e-2)
+        assert len(table) == (1 if more[-1] < 1.0 else 2)
+
+
 def test_a_signal_without_a_loop_is_refused() -> None:
     strain = np.linspace(0.0, 1.0, 50)
     with pytest.raises(ValueError, match="no loop: axial_strain turns 1 times"):

@@ -158,15 +158,31 @@ pub fn reached(world: &mut World, stage: &Compact) -> Option<Reached> {
     Some(Reached { height, mean_radius, porosity: 1.0 - area / (height * length) })
 }
 
-/// Why a compaction cannot begin: there are bonds, or no disks of these radii are as dense.
+/// Why a compaction cannot begin: there are bonds, the packing is denser than its target, or no disks of
+/// these radii are as dense.
 pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
     if intact(world) > 0 {
         let message = "there are bonds, which a compaction of rigid disks would strain without forces; \
                        compact before `Cement`";
         return Some(message.to_owned());
     }
-    let CompactTarget::Porosity(target) = stage.target else { return None };
-    Disks::in_world(world).refusal(target)
+    let disks = Disks::in_world(world);
+    let (height, length) = enclosure(world, stage)?;
+    let at = |height: f64| 1.0 - disks.area / (height * length);
+    let target = match stage.target {
+        CompactTarget::Height(height) => at(height),
+        CompactTarget::Porosity(porosity) => porosity,
+        CompactTarget::Jammed => return None,
+    };
+    let now = at(height);
+    // A packing that is at its target already has nothing to do.
+    if now < target - 1e-9 {
+        return Some(format!(
+            "the packing has a porosity of {now:.4} as it begins, and its target is {target:.4}: a compaction only \
+             makes it denser; give a lower target, or leave the stage out"
+        ));
+    }
+    disks.refusal(target)
 }
 
 /// Ends a compaction to [`CompactTarget::Jammed`] where even the smallest part of an increment has

@@ -44,7 +44,8 @@ fn an_oedometer_has_no_modulus_whether_or_not_its_lateral_stress_is_measured() {
     let measures = "measures=[(name: \"axial_strain\", of: Strain(Walls(\"bottom\", \"lid\"))), \
                     (name: \"axial_stress\", of: Stress(Walls(walls: [\"bottom\", \"lid\"], length: Fixed(0.204))))]";
     for set in [measures, "let.seed=1"] {
-        let (done, out) = run("oedometer", &["--quiet", "--set", set, "--set", "output.plots=false"]);
+        let (done, out) =
+            run("oedometer", &["--quiet", "--set", set, "--set", "output.plots=false"]);
         done.code(0);
         let results = &read_json(out.path(), "run.json")["results"];
         for name in ["youngs_modulus_pa", "youngs_modulus_secant_half_peak_pa"] {

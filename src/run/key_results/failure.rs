@@ -6,6 +6,9 @@ use super::definitions::{CAPPED_BEFORE, LATERAL_CHANGES, NO_GAIN, NO_HALF, RESOL
 /// Fall of the axial stress below its peak, over the rise to it, after which the peak is passed.
 /// Stresses of a specimen of some hundred grains fluctuate by less before it.
 const PASSED: f64 = 0.01;
+/// The same fall at the strain of the peak itself. Bonds that finish to break at the end of an increment take
+/// up to 3 % of the rise before a test has passed its peak.
+const PASSED_AT_ONCE: f64 = 0.1;
 /// Relative difference of a strain to that of the peak, up to which a cycle has returned to it.
 const RETURNS: f64 = 1e-9;
 /// Maximum change of a constant lateral stress, over the change of the axial stress. A confining stress that is less,
@@ -101,8 +104,9 @@ impl KeyResults {
         let fell = |point: &Point| {
             let strain = point.strain / at.strain;
             least = least.min(strain);
-            let is_beyond = strain > 1.0 + RETURNS || least > 1.0 - RETURNS;
-            (peak - point.stress) / rise >= PASSED && is_beyond
+            let fall = (peak - point.stress) / rise;
+            (fall >= PASSED && strain > 1.0 + RETURNS)
+                || (fall >= PASSED_AT_ONCE && least > 1.0 - RETURNS)
         };
         let falls = self.curve[place + 1..].iter().any(fell);
         let collapses = self.collapse.flatten().is_some_and(|last| last.strain / at.strain >= 1.0);

@@ -28,8 +28,8 @@ pub struct Results {
     /// Axial strain at the peak.
     pub strain_at_peak: Option<f64>,
     /// Strength: the peak, once the test has passed it under a constant lateral stress. Either the
-    /// stress fell by a hundredth of the rise to the peak without unloading, or the specimen
-    /// collapsed.
+    /// stress fell by a hundredth of the rise to the peak at a larger strain, or by a tenth at the
+    /// same, or the specimen collapsed.
     pub strength_pa: Option<f64>,
     /// Residual strength: mean of the axial stress over the last fifth of the axial strain, if that
     /// lies beyond twice the strain at the peak and is level (Fairhurst and Hudson 1999, Int. J.

@@ -56,6 +56,12 @@ pub(super) fn check(at: &mut At) {
     let is_lost = seeds.is_empty() && memory::particles(&scene.specimen, context.specimen) > 0;
     let help = "keep a part of the specimen that has particles";
     at.refuse(is_lost, "keep", "no particle is left", help);
+    for (i, mineral) in scene.minerals.iter().enumerate() {
+        let takes = seeds.iter().any(|seed| seed.material.as_ref() == Some(&mineral.material));
+        let help = "give a selection in m that has particles of the specimen, or leave it out";
+        let at = &mut at.item("minerals", i);
+        at.refuse(!takes && !is_lost, "select", "no particle gets its material", help);
+    }
     let several = context.materials.len() > 1;
     if let Some(bare) = seeds.iter().find(|seed| several && seed.material.is_none()) {
         let message = format!("the particle at {:?} gets no material", bare.position);

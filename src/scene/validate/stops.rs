@@ -1,6 +1,6 @@
 //! Stop conditions of a stage.
 
-use crate::scene::format::{Area, Length, Quantity, Stop, Strain, Stress};
+use crate::scene::format::{Area, Length, Quantity, Stage, Stop, Strain, Stress};
 
 use super::findings::At;
 
@@ -70,6 +70,20 @@ fn never(at: &mut At, stop: &Stop) {
     let message = "it can never hold: a static stage has no time";
     let help = "use a dynamic analysis";
     at.refuse(at.is_timeless() && matches!(of, Quantity::Time), "", message, help);
+    let is_compaction = matches!(scene.stages[at.stage], Stage::Compact(_));
+    let needs_forces = matches!(
+        of,
+        Quantity::Stress(_)
+            | Quantity::GroupForce { .. }
+            | Quantity::WallForce { .. }
+            | Quantity::Coordination { .. }
+            | Quantity::Fabric { .. }
+            | Quantity::ElasticEnergy
+            | Quantity::KineticOverElastic
+    );
+    let message = "it can never hold: a compaction has no forces";
+    let help = "stop at a porosity, or compact to `Jammed` and load the packing in a next stage";
+    at.refuse(is_compaction && needs_forces, "", message, help);
     let last = context.stages.len().saturating_sub(1);
     let reference = match &scene.reference_stage {
         Some(name) => context.stages.iter().position(|stage| *stage == name).unwrap_or(0),
