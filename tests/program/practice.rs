@@ -100,6 +100,10 @@ fn likely_mistakes_of_time_weight_and_density_are_told_before_the_run() {
         ),
         ("gravity=(0.0, -9810.0)", "under a gravity of 9810.0 is a weight of 2.6e7 N/m^3"),
         ("gravity=(0.0, 9.81)", "gravity points up"),
+        (
+            "stages.release.walls={\"floor\": Follow(Displacement([(0.0, 0.0, 0.0), (0.1, 0.0, 50.0)]))}",
+            "stages.release: in a time step",
+        ),
     ] {
         let said = stdout(&clastic(&["check", "column_collapse_small", "--set", setting]).code(0));
         assert!(said.contains("WARNING: ") && said.contains(told), "{setting}: {said}");

@@ -5,7 +5,7 @@ use super::material::Grains;
 use super::{OVERLAP, is_specimen};
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{
-    Bond, Cement, Material, Particle, Scene, Specimen, Stage, Strain, WallControl,
+    Bond, Cement, Material, Particle, Scene, Specimen, Stage, Strain, Table, WallControl,
 };
 use crate::scene::memory::mean_of;
 use crate::text::shown::label;
@@ -118,6 +118,12 @@ fn of_stages(scene: &Scene, mean: f64) -> Vec<String> {
         };
         let speeds = load.walls.values().map(|control| match control {
             WallControl::Velocity(x, y) => x.hypot(*y),
+            WallControl::Follow(Table::Displacement(points)) => {
+                let speed = |(a, b): (&(f64, f64, f64), &(f64, f64, f64))| {
+                    (b.1 - a.1).hypot(b.2 - a.2) / (b.0 - a.0)
+                };
+                points.iter().zip(points.iter().skip(1)).map(speed).fold(0.0, f64::max)
+            }
             _ => 0.0,
         });
         let ways = speeds.fold(gravity.length() * dt, f64::max) * dt / diameter;
