@@ -1,6 +1,6 @@
 //! Porosity of a specimen.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use bevy_ecs::prelude::*;
 use glam::DVec2;
@@ -45,42 +45,39 @@ pub(crate) fn in_cell_or_box(packing: &Prepared) -> Option<f64> {
 
 /// Porosity within the [triangles] between the centres of neighbouring disks: that of a specimen
 /// whose outline was cut, so that walls and boxes around it enclose voids that are not part of it.
-/// A disk fills of a triangle the sector between two sides, since no disk reaches across the outline.
-/// `None` without triangles.
+/// A disk fills of a triangle the sector between two sides, less the segment that lies beyond the
+/// outline. `None` without triangles.
 pub fn within(disks: &[StoredParticle]) -> Option<f64> {
     let all = disks.iter().enumerate();
-    let mut triangles = triangles(all.map(|(row, disk)| (row, place(disk), disk.r)));
-    while cut_across(&mut triangles, disks) {}
+    let triangles = triangles(all.map(|(row, disk)| (row, place(disk), disk.r)));
+    let side = |a: usize, b: usize| (a.min(b), a.max(b));
+    let mut on_both = BTreeSet::new();
+    let mut outline = BTreeSet::new();
+    for [a, b, c] in &triangles {
+        for side in [side(*a, *b), side(*b, *c), side(*c, *a)] {
+            if !outline.insert(side) {
+                on_both.insert(side);
+            }
+        }
+    }
     let (mut filled, mut area) = (0.0, 0.0);
     for rows in triangles {
         let corners = rows.map(|row| place(&disks[row]));
-        area += 0.5 * (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs();
+        let double = (corners[1] - corners[0]).perp_dot(corners[2] - corners[0]).abs();
+        area += 0.5 * double;
         for (k, row) in rows.into_iter().enumerate() {
-            let [a, b] = [1, 2].map(|next| corners[(k + next) % 3] - corners[k]);
-            let angle = libm::atan2(a.perp_dot(b).abs(), a.dot(b));
-            filled += 0.5 * angle * disks[row].r.powi(2);
+            let [i, j] = [1, 2].map(|next| (k + next) % 3);
+            let [a, b] = [corners[i] - corners[k], corners[j] - corners[k]];
+            let r = disks[row].r;
+            filled += 0.5 * libm::atan2(double, a.dot(b)) * r.powi(2);
+            let height = double / a.distance(b);
+            if height < r && !on_both.contains(&side(rows[i], rows[j])) {
+                let half = (r * r - height * height).sqrt();
+                filled -= r * r * libm::atan2(half, height) - height * half;
+            }
         }
     }
     (area > 0.0).then(|| 1.0 - filled / area)
-}
-
-/// Leaves out the triangles on the outline whose inner disk reaches across it. Whether there are any.
-fn cut_across(triangles: &mut Vec<[usize; 3]>, disks: &[StoredParticle]) -> bool {
-    let sides = |rows: &[usize; 3]| [0, 1, 2].map(|k| [1, 2].map(|next| rows[(k + next) % 3]));
-    let side = |[a, b]: [usize; 2]| (a.min(b), a.max(b));
-    let mut number = BTreeMap::new();
-    for side in triangles.iter().flat_map(sides).map(side) {
-        *number.entry(side).or_insert(0) += 1;
-    }
-    let before = triangles.len();
-    triangles.retain(|rows| {
-        rows.iter().zip(sides(rows)).all(|(opposite, [a, b])| {
-            let [x, a_x, b_x] = [*opposite, a, b].map(|row| place(&disks[row]));
-            let distance = (b_x - a_x).perp_dot(x - a_x).abs() / a_x.distance(b_x);
-            number[&side([a, b])] > 1 || distance >= (1.0 - 1e-9) * disks[*opposite].r
-        })
-    });
-    triangles.len() < before
 }
 
 fn place(disk: &StoredParticle) -> DVec2 {
