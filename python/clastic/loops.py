@@ -27,7 +27,8 @@ TURNED = 0.02
 def loops(run: Run, strain: str = "axial_strain", stress: str = "axial_stress_pa") -> pandas.DataFrame:
     """Loops of a run, in order: ``begin`` and ``end`` (increments), ``modulus_pa``, ``damping``,
     ``strain_range``, ``stress_range_pa`` and ``loss_j_m3`` (dW). The way to the first turning point is in
-    none, and a last loop that does not come back within 2 % of its range either. Other columns of the history, such as those of a shear, serve as ``strain`` and ``stress``.
+    none, and a last loop that does not come back within 2 % of its range either. Other columns of the
+    history, such as those of a shear, serve as ``strain`` and ``stress``.
 
     Raises
     ------

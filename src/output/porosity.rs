@@ -51,12 +51,12 @@ pub fn within(disks: &[StoredParticle]) -> Option<f64> {
     let all = disks.iter().enumerate();
     let triangles = triangles(all.map(|(row, disk)| (row, place(disk), disk.r)));
     let side = |a: usize, b: usize| (a.min(b), a.max(b));
-    let mut on_both = BTreeSet::new();
+    // The sides of one triangle alone.
     let mut outline = BTreeSet::new();
     for [a, b, c] in &triangles {
         for side in [side(*a, *b), side(*b, *c), side(*c, *a)] {
             if !outline.insert(side) {
-                on_both.insert(side);
+                outline.remove(&side);
             }
         }
     }
@@ -71,7 +71,7 @@ pub fn within(disks: &[StoredParticle]) -> Option<f64> {
             let r = disks[row].r;
             filled += 0.5 * libm::atan2(double, a.dot(b)) * r.powi(2);
             let height = double / a.distance(b);
-            if height < r && !on_both.contains(&side(rows[i], rows[j])) {
+            if height < r && outline.contains(&side(rows[i], rows[j])) {
                 let half = (r * r - height * height).sqrt();
                 filled -= r * r * libm::atan2(half, height) - height * half;
             }

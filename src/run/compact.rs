@@ -166,15 +166,12 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
                        compact before `Cement`";
         return Some(message.to_owned());
     }
-    let disks = Disks::in_world(world);
-    let (height, length) = enclosure(world, stage)?;
-    let at = |height: f64| 1.0 - disks.area / (height * length);
+    let Reached { height: begin, porosity: now, .. } = reached(world, stage)?;
     let target = match stage.target {
-        CompactTarget::Height(height) => at(height),
+        CompactTarget::Height(height) => 1.0 - (1.0 - now) * begin / height,
         CompactTarget::Porosity(porosity) => porosity,
         CompactTarget::Jammed => return None,
     };
-    let now = at(height);
     // A packing that is at its target already has nothing to do.
     if now < target - 1e-9 {
         return Some(format!(
@@ -182,7 +179,7 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
              makes it denser; give a lower target, or leave the stage out"
         ));
     }
-    disks.refusal(target)
+    Disks::in_world(world).refusal(target)
 }
 
 /// Ends a compaction to [`CompactTarget::Jammed`] where even the smallest part of an increment has

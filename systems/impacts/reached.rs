@@ -5,7 +5,8 @@
 //! again with Newton's law of restitution at these pairs too, as if they touched: all impacts of an
 //! increment are simultaneous then, and without friction they gain no energy (Moreau 1988).
 //!
-//! With friction simultaneous impacts may gain some (Kane and Levinson 1985). Each cluster of bodies
+//! With friction simultaneous impacts may gain some (Kane and Levinson 1985), and an impulse that lifts bodies
+//! against their weight gains what it does not take from the weight within the increment. Each cluster of bodies
 //! that carry forces on each other is therefore checked, and solved again with half of its restitution,
 //! then with none, until it gains nothing.
 

@@ -114,6 +114,17 @@ fn likely_mistakes_of_time_weight_and_density_are_told_before_the_run() {
     assert!(!said.contains("WARNING"), "{said}");
 }
 
+/// Such a compaction made no increment, and its run went on with the packing as it was.
+#[test]
+fn a_compaction_to_a_looser_packing_is_refused() {
+    for target in ["Porosity(0.75)", "Height(0.5)"] {
+        let set = format!("stages.compact.target={target}");
+        let (refused, _out) = run("oedometer", &["--quiet", "--set", &set]);
+        let said = stderr(&refused.code(3));
+        assert!(said.contains("as it begins, and its target is"), "{target}: {said}");
+    }
+}
+
 #[test]
 fn a_stop_that_held_when_its_stage_began_is_told() {
     let stop = "stages.load.stop=[Above(\"axial_stress\", 100.0e3)]";
