@@ -96,6 +96,21 @@ fn specimens_that_a_stress_pulls_apart_collapse() {
     }
 }
 
+/// The bonds of this specimen roll, so that their forces open them: the first guess of the end of an
+/// increment missed by half, and every increment took a third solve.
+#[test]
+fn increments_of_bonds_that_roll_are_solved_twice() {
+    let mut simulation = Simulation::new(&common::parse(&Plan::new(121).text), None);
+    while simulation.world().resource::<Observation>().bonds == 0 {
+        assert_eq!(simulation.step(), Step::Increment);
+    }
+    for increment in 1..=20 {
+        assert_eq!(simulation.step(), Step::Increment);
+        let solves = simulation.world().resource::<Observation>().solves;
+        assert!(solves <= 2, "{solves} solves in increment {increment}");
+    }
+}
+
 /// The same seed gives the same scene, and the engine reads all of them without error.
 #[test]
 fn scenes_are_drawn_from_their_seed_and_read_without_error() {

@@ -1,12 +1,12 @@
 //! The linear response of a solution: how bodies move if its forces are out of balance by a little.
 //!
-//! The stiffness is that of the forces that the solution has: contacts that are open have none,
-//! and one that slides has none along itself. A rigid contact has a small compliance, so that one
+//! The stiffness is that of the forces that the solution has: contacts that are open have none, and a
+//! force on its limit follows the normal force. A rigid contact has a small compliance, so that one
 //! matrix serves all programs.
 
 use super::matrix::BodyMatrix;
 use super::scaled::Local;
-use crate::program::{ConeProgram, ConeSolution, Interaction};
+use crate::program::{ConeProgram, ConeSolution, Interaction, SlidingLaw};
 use crate::residuals::Carrying;
 
 /// Minimum compliance over displacement scale/force scale.
@@ -41,10 +41,10 @@ impl LinearResponse {
         let mut values = matrix.assembly();
         for (k, (local, c)) in scaled.locals.iter().zip(&program.interactions).enumerate() {
             if c.limits.has_strength() || carrying.is_carrying(k) {
-                let d = stiffness(c, &solution.forces[k], local);
+                let d = stiffness(c, &solution.forces[k], local, solution.law);
                 values.add(k, &local.arms.rows, &d);
                 let e = misfits.get(k).map_or([0.0; 2], |e| [e[0] / du[0], e[1] / du[0]]);
-                let force = [d[0][0] * e[0], d[1][1] * e[1], 0.0];
+                let force = d.map(|row| row[0] * e[0] + row[1] * e[1]);
                 local.arms.add_forces(&force, -1.0, &mut x);
             }
         }
@@ -63,13 +63,59 @@ impl LinearResponse {
     }
 }
 
-/// Stiffness of an interaction that carries the forces `f`.
-fn stiffness(c: &Interaction, f: &[f64; 3], local: &Local) -> [[f64; 3]; 3] {
+/// Stiffness of an interaction that carries the forces `f`. A force on its limit `m p` has none of its own:
+/// it follows p, and its slip opens the interaction by m times as much, where the law dilates.
+fn stiffness(c: &Interaction, f: &[f64; 3], local: &Local, law: SlidingLaw) -> [[f64; 3]; 3] {
+    let compliance = local.compliance.map(|compliance| compliance.max(MIN_COMPLIANCE));
+    let yields = [false, c.limits.slides(f), c.limits.rolls(f)];
     let mut d = [[0.0; 3]; 3];
-    for (i, gives_way) in [false, c.limits.slides(f), c.limits.rolls(f)].into_iter().enumerate() {
-        if local.has[i] && !gives_way {
-            d[i][i] = local.compliance[i].max(MIN_COMPLIANCE).recip();
+    let (mut along, mut below) = ([1.0, 0.0, 0.0], compliance[0]);
+    for x in (1..3).filter(|x| local.has[*x]) {
+        if yields[x] {
+            along[x] = law.dilation(c) * local.slopes[x - 1] * f[x].signum();
+            below += along[x] * along[x] * compliance[x];
+        } else {
+            d[x][x] = compliance[x].recip();
+        }
+    }
+    for (i, row) in d.iter_mut().enumerate() {
+        for (j, d) in row.iter_mut().enumerate() {
+            *d += along[i] * along[j] / below;
         }
     }
     d
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::DVec2;
+
+    use super::super::Condensed;
+    use super::super::tests::{contact, held, loaded};
+    use super::*;
+    use crate::solver::ConeSolver as _;
+
+    /// A body that slides on one contact and rests against another: the response to further loads is the
+    /// difference of two solutions. What slides opens its contact by mu times the slip.
+    #[test]
+    fn a_body_that_slides_responds_as_it_is_solved() {
+        let program = |x: f64, y: f64| ConeProgram {
+            bodies: vec![held(), loaded(x, y)],
+            interactions: vec![
+                contact(0, 1, DVec2::Y, 0.1, 0.5),
+                contact(0, 1, DVec2::X, 0.2, 0.0),
+            ],
+            ..ConeProgram::default()
+        };
+        let solve = |program: &ConeProgram| Condensed::default().solve(program, 0.0).unwrap();
+        let start = program(-3.0, -2.0);
+        let (before, after) = (solve(&start), solve(&program(-3.1, -1.8)));
+        assert!(start.interactions[0].limits.slides(&before.forces[0]), "{:?}", before.forces);
+        let loads = [[0.0; 3], [-0.1, 0.2, 0.0]];
+        let response = LinearResponse::default().to(&start, &before, &loads, &[]).unwrap();
+        for k in 0..3 {
+            let moved = after.displacements[1][k] - before.displacements[1][k];
+            assert!((response[1][k] - moved).abs() < 1e-8, "{response:?} {moved}");
+        }
+    }
 }
