@@ -120,22 +120,36 @@ impl<'a, J: Judge> Ending<'a, J> {
         self.limit()
     }
 
-    /// The solution after the steps that leave no limit undecided by more than `small`.
+    /// Decides limits from a start near the solution. Returns how that ends.
+    pub fn decide_from(&mut self, iteration: &mut Iteration, size: f64) -> SolveStatus {
+        let rest = self.settings.decided * size;
+        if iteration.decide(size, rest) {
+            self.iterations += 1;
+            self.solution = self.decided(iteration, size, rest);
+        }
+        self.limit()
+    }
+
+    /// The solution after the steps that leave no limit undecided by more than `small`. Steps go on while
+    /// each decides enough limits.
     fn decided(&mut self, iteration: &mut Iteration, small: f64, rest: f64) -> Option<Interior> {
         let mut point = self.best.clone();
-        for left in (0..=self.settings.max_decisions).rev() {
-            if iteration.undecided(small) == 0 {
+        let mut left = usize::MAX;
+        loop {
+            let before = std::mem::replace(&mut left, iteration.undecided(small));
+            if left == 0 || self.goal.decided.is_none() {
                 iteration.store(&mut point);
                 if self.judge.is_solution(&point) {
                     return Some(point);
                 }
             }
-            if left == 0 || !iteration.decide(small, rest) {
-                break;
+            if !((left as f64) < self.settings.undecided * before as f64
+                && iteration.decide(small, rest))
+            {
+                return None;
             }
             self.iterations += 1;
         }
-        None
     }
 
     /// How the method ends where it cannot go on.
