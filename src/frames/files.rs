@@ -1,12 +1,11 @@
 //! Frames in a run directory.
 
 use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::Frame;
 use crate::output::OutputError;
-use crate::output::directory::{FRAME_END, FRAME_PEAK, FRAME_START, FRAMES};
+use crate::output::directory::{FRAME_END, FRAME_PEAK, FRAME_START, FRAMES, entries};
 use crate::tables::Tables;
 
 impl Frame {
@@ -28,27 +27,20 @@ impl Frame {
 /// If the directory cannot be read.
 pub fn list(run: &Path) -> Result<Vec<PathBuf>, OutputError> {
     let directory = run.join(FRAMES);
-    let mut found: Vec<(u8, PathBuf)> = Vec::new();
-    let entries = match fs::read_dir(&directory) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries.map_err(OutputError::at(&directory))?,
-    };
-    for entry in entries {
-        let path = entry.map_err(OutputError::at(&directory))?.path();
-        let order = match path.file_name().and_then(|name| name.to_str()).unwrap_or_default() {
-            FRAME_START => 0,
-            FRAME_PEAK => 2,
-            FRAME_END => 3,
-            name if name.starts_with("frame_") && name.ends_with(".npz") => 1,
-            _ => continue,
-        };
-        found.push((order, path));
+    if !directory.exists() {
+        return Ok(Vec::new());
     }
+    let order = |name: &str| match name {
+        FRAME_START => Some(0),
+        FRAME_PEAK => Some(2),
+        FRAME_END => Some(3),
+        _ => (name.starts_with("frame_") && name.ends_with(".npz")).then_some(1),
+    };
     // Numbers are padded to six digits, so that a longer name has a larger number.
-    found.sort_by(|(a, x), (b, y)| {
-        (a, x.as_os_str().len(), x.as_os_str()).cmp(&(b, y.as_os_str().len(), y.as_os_str()))
-    });
-    Ok(found.into_iter().map(|(_, path)| path).collect())
+    let key = |name: String| Some((order(&name)?, name.len(), name));
+    let mut found: Vec<_> = entries(&directory)?.into_iter().filter_map(key).collect();
+    found.sort_unstable();
+    Ok(found.into_iter().map(|(.., name)| directory.join(name)).collect())
 }
 
 /// The frames of a run in the order of increments, one for each increment.

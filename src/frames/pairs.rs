@@ -33,11 +33,12 @@ pub(super) fn pairs(
     history: &ContactHistory,
     bonds: impl Iterator<Item = ((BodyId, BodyId), u32, u8)>,
 ) -> Vec<Pair> {
-    let row = |ids, bond, state| {
+    let row = |ids, bond, state, memory| {
         let contact = contact(bodies, ids)?;
-        Some(Pair { ids, bond, state, memory: None, contact })
+        Some(Pair { ids, bond, state, memory, contact })
     };
-    let mut all: Vec<Pair> = bonds.filter_map(|(ids, bond, state)| row(ids, bond, state)).collect();
+    let bonds = bonds.filter_map(|(ids, bond, state)| row(ids, bond, state, None));
+    let mut all: Vec<Pair> = bonds.collect();
     all.sort_unstable_by_key(|pair| (pair.ids, pair.bond));
     let bonded = all.len();
     let id = |row: u32| kept.ids.get(row as usize).copied();
@@ -50,9 +51,7 @@ pub(super) fn pairs(
         let at = rows.iter().position(|pair| pair.state == 1).or(rows.len().checked_sub(1));
         match at {
             Some(at) => rows[at].memory = Some(*memory),
-            None => {
-                all.extend(row((a, b), NONE, 0).map(|pair| Pair { memory: Some(*memory), ..pair }));
-            }
+            None => all.extend(row((a, b), NONE, 0, Some(*memory))),
         }
     }
     all.sort_unstable_by_key(|pair| (pair.ids, pair.bond));

@@ -61,17 +61,14 @@ impl Frame {
     /// The frame of arrays.
     pub(crate) fn from_tables(tables: &Tables) -> Result<Self, TableError> {
         let format: String = tables.single("format").unwrap_or_default();
-        match format.strip_prefix(FORMAT).map(str::trim) {
-            None => {
-                let what = "not a frame; give a `.npz` file of the folder `frames` of a run";
-                return Err(TableError::Foreign(what.to_owned()));
-            }
-            Some(version) if version != VERSION => {
-                return Err(TableError::Foreign(format!(
-                    "a frame of format {version}, which this clastic does not read; run the scene again"
-                )));
-            }
-            Some(_) => {}
+        let Some(version) = format.strip_prefix(FORMAT).map(str::trim) else {
+            let what = "not a frame; give a `.npz` file of the folder `frames` of a run";
+            return Err(TableError::Foreign(what.to_owned()));
+        };
+        if version != VERSION {
+            return Err(TableError::Foreign(format!(
+                "a frame of format {version}, which this clastic does not read; run the scene again"
+            )));
         }
         let known = |name: &str| Ok(Some(tables.single(name)?).filter(|x: &f64| !x.is_nan()));
         let column = |name: &str| Column::read(tables, name, tables.rows(name)?);

@@ -6,6 +6,7 @@ use glam::DVec2;
 
 use clastic_components::prelude::*;
 
+use super::pairs::Pair;
 use super::{Frame, FrameBodies, FrameMembranes, FrameWalls, NONE, pairs};
 
 /// The parts of a world that a [`Frame`] shows.
@@ -44,7 +45,6 @@ impl FrameTables<'_, '_> {
         let bonds = self.bonds.iter();
         let bonds = bonds.map(|(id, bond, state)| ((bond.a, bond.b), id.0, pairs::code(*state)));
         let all = pairs::pairs(bodies, &self.kept, &self.history, bonds);
-        let thickness = self.analysis.thickness;
         let observation = &*self.observation;
         let origin = middle(bodies);
         let (group, groups) = self.groups();
@@ -54,26 +54,21 @@ impl FrameTables<'_, '_> {
             increment: observation.increment.max(self.progress.increment),
             stage: observation.stage.clone(),
             time_s: self.progress.time,
-            thickness_m: thickness,
+            thickness_m: self.analysis.thickness,
             axial_strain: observation.axial_strain,
             axial_stress_pa: observation.axial_stress,
             origin_m: origin.to_array(),
             cell_m: self.cell.as_ref().map(|cell| [cell.width, cell.height, cell.tilt]),
             materials: self.materials.0.iter().map(|material| material.name.clone()).collect(),
             groups,
-            bodies: FrameBodies {
-                stress_pa: pairs::stresses(bodies, &all, thickness),
-                fragment: pairs::fragments(bodies, &all),
-                group,
-                ..self.columns(origin)
-            },
+            bodies: self.particles(origin, group, &all),
             pairs: pairs::columns(&all),
             walls: self.walls(),
             membranes: self.chains(),
         }
     }
 
-    fn columns(&self, origin: DVec2) -> FrameBodies {
+    fn particles(&self, origin: DVec2, group: Vec<u32>, all: &[Pair]) -> FrameBodies {
         let bodies = &*self.bodies;
         let n = bodies.particles;
         let vector = |v: DVec2| v.as_vec2().to_array();
@@ -91,7 +86,9 @@ impl FrameTables<'_, '_> {
             velocity_m_s: bodies.velocities[..n].iter().map(|v| vector(*v)).collect(),
             angular_velocity_rad_s: numbers(&bodies.angular_velocities),
             material: bodies.materials[..n].to_vec(),
-            ..FrameBodies::default()
+            group,
+            stress_pa: pairs::stresses(bodies, all, self.analysis.thickness),
+            fragment: pairs::fragments(bodies, all),
         }
     }
 

@@ -1,9 +1,11 @@
-//! CSV files that are written row by row.
+//! CSV files, which are written row by row.
 
 use std::fmt::{self, Display, Write as _};
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+
+use csv::StringRecord;
 
 use super::error::OutputError;
 
@@ -150,6 +152,14 @@ pub fn header<T>(columns: &[Column<T>]) -> Row {
 /// Names of columns.
 pub fn names<T>(columns: &[Column<T>]) -> impl Iterator<Item = &'static str> {
     columns.iter().map(|(name, _)| *name)
+}
+
+/// Reads the header and the rows of a CSV file.
+pub(crate) fn read(path: &Path) -> Result<(StringRecord, Vec<StringRecord>), OutputError> {
+    let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
+    let header = reader.headers().map_err(OutputError::at(path))?.clone();
+    let rows = reader.records().collect::<Result<_, _>>().map_err(OutputError::at(path))?;
+    Ok((header, rows))
 }
 
 /// A row of a CSV file.

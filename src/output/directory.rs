@@ -148,7 +148,8 @@ fn remove_files(directory: &Path, which: impl Fn(&str) -> bool) -> Result<(), Ou
     Ok(())
 }
 
-fn entries(directory: &Path) -> Result<Vec<String>, OutputError> {
+/// Names of the files of a directory.
+pub(crate) fn entries(directory: &Path) -> Result<Vec<String>, OutputError> {
     let entries = fs::read_dir(directory).map_err(OutputError::at(directory))?;
     let names = entries.map(|entry| Ok(entry?.file_name().to_string_lossy().into_owned()));
     names.collect::<io::Result<_>>().map_err(OutputError::at(directory))

@@ -17,20 +17,15 @@ pub(super) fn write_if_asked(
     mut run: ResMut<RunDirectory>,
 ) -> Result<(), OutputError> {
     let in_stage = script.ends.last().map_or(0, |end| end.rows);
-    let of_stage = |(stage, n): &(String, u64)| *stage == observation.stage && *n == in_stage;
-    if !run.options.dump_programs.contains(&observation.increment)
+    let Observation { increment, stage, fraction, .. } = &*observation;
+    let of_stage = |(name, n): &(String, u64)| name == stage && *n == in_stage;
+    if !run.options.dump_programs.contains(increment)
         && !run.options.dump_in_stages.iter().any(of_stage)
     {
         return Ok(());
     }
-    let path = directory::program(run.directory(), observation.increment);
-    let text = to_json(
-        observation.increment,
-        &observation.stage,
-        observation.fraction,
-        &program,
-        &solution,
-    );
+    let path = directory::program(run.directory(), *increment);
+    let text = to_json(*increment, stage, *fraction, &program, &solution);
     let text = text.map_err(OutputError::at(&path))?;
     run.write(path, text)
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::history::PROBE_COLUMNS;
-use super::{OutputError, directory};
+use super::{OutputError, csv_file, directory};
 
 /// A probe after an increment of the test.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
@@ -82,22 +82,19 @@ impl History {
     /// # Errors
     /// If the file cannot be read or is not CSV.
     pub fn read(path: &Path) -> Result<Self, OutputError> {
-        let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
-        let names = reader.headers().map_err(OutputError::at(path))?;
-        let names: Vec<_> = names.iter().map(str::to_owned).collect();
-        let stage = names.iter().position(|n| n == "stage");
-        let mut rows = Vec::new();
+        let (header, records) = csv_file::read(path)?;
+        let stage = header.iter().position(|n| n == "stage");
         let mut stages: Vec<(String, usize)> = Vec::new();
-        for row in reader.records() {
-            let row = row.map_err(OutputError::at(path))?;
-            let now = stage.and_then(|k| row.get(k)).unwrap_or_default();
+        for (k, record) in records.iter().enumerate() {
+            let now = stage.and_then(|stage| record.get(stage)).unwrap_or_default();
             if stages.last().is_none_or(|(last, _)| last != now) {
-                stages.push((now.to_owned(), rows.len()));
+                stages.push((now.to_owned(), k));
             }
-            let number = |field: &str| field.parse().ok().filter(|x: &f64| x.is_finite());
-            rows.push(row.iter().map(number).collect());
         }
         let test = stages.last().map_or(0, |(_, row)| *row);
+        let names = header.iter().map(str::to_owned).collect();
+        let number = |field: &str| field.parse().ok().filter(|x: &f64| x.is_finite());
+        let rows = records.iter().map(|record| record.iter().map(number).collect()).collect();
         Ok(Self { names, rows, stages, test, ..Self::default() })
     }
 

@@ -88,15 +88,14 @@ pub(super) fn write(
         put(name, Array::column(list.iter().map(|(_, bond, _)| of(&bond.law))));
     }
 
-    let id = |row: u32| kept.ids.get(row as usize).map_or(NONE, |id| id.0);
+    let id = |row: u32| kept.ids.get(row as usize).copied().unwrap_or(BodyId(NONE));
     let ends: Vec<_> = history.0.iter().map(|m| (id(m.a), id(m.b))).collect();
-    put("contacts.a", Array::column(ends.iter().map(|ends| ends.0)));
-    put("contacts.b", Array::column(ends.iter().map(|ends| ends.1)));
+    put("contacts.a", Array::column(ends.iter().map(|(a, _)| a.0)));
+    put("contacts.b", Array::column(ends.iter().map(|(_, b)| b.0)));
     put("contacts.p_n", Array::column(history.0.iter().map(|m| m.p)));
     put("contacts.q_n", Array::column(history.0.iter().map(|m| m.q)));
     put("contacts.tau_nm", Array::column(history.0.iter().map(|m| m.tau)));
-    let found: Vec<_> =
-        ends.iter().map(|(a, b)| contact(&bodies, (BodyId(*a), BodyId(*b)))).collect();
+    let found: Vec<_> = ends.iter().map(|ends| contact(&bodies, *ends)).collect();
     let normals = found.iter().map(|c| c.map_or([f64::NAN; 2], |c| c.normal.to_array()));
     put("contacts.normal", Array::vectors(normals));
     put("contacts.gap_m", Array::column(found.iter().map(|c| c.map_or(f64::NAN, |c| c.gap))));

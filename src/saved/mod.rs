@@ -11,6 +11,7 @@ mod of_scene;
 mod settle;
 
 use bevy_ecs::prelude::*;
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use clastic_components::body::BodyId;
@@ -125,6 +126,14 @@ pub fn save(world: &mut World) -> Result<Tables, SavedError> {
     Ok(tables)
 }
 
+/// Value of an entry of the state, if it has it.
+pub(crate) fn find<T: DeserializeOwned>(
+    state: &WorldState,
+    entry: &str,
+) -> Result<Option<T>, StateError> {
+    state.bytes(entry).map(|_| state.get(entry)).transpose()
+}
+
 fn encoding(error: &postcard::Error) -> TableError {
     TableError::at(STATE, error.to_string())
 }
@@ -144,15 +153,14 @@ impl SavedState {
             }
             format => format?,
         };
-        match format.strip_prefix(FORMAT).map(str::trim) {
-            None => return foreign(format!("not a saved state: it is `{format}`")),
-            Some(version) if version != VERSION.to_string() => {
-                return foreign(format!(
-                    "a state of format {version}, and this clastic reads format {VERSION}; save it again with \
-                     this clastic"
-                ));
-            }
-            Some(_) => {}
+        let Some(version) = format.strip_prefix(FORMAT).map(str::trim) else {
+            return foreign(format!("not a saved state: it is `{format}`"));
+        };
+        if version != VERSION.to_string() {
+            return foreign(format!(
+                "a state of format {version}, and this clastic reads format {VERSION}; save it again with \
+                 this clastic"
+            ));
         }
         let bytes = tables.values(STATE, &[tables.rows(STATE)?])?;
         postcard::from_bytes(bytes).map_err(|error| encoding(&error))

@@ -10,7 +10,7 @@ use clastic_systems::membranes::{MEMBRANES, MembraneStates};
 use clastic_systems::state::StateError;
 use glam::DVec2;
 
-use super::SavedState;
+use super::{SavedState, find};
 use crate::run::wall_pieces::{moved, pieces};
 use crate::run::walls::WallCatalogue;
 use crate::scene::StoredMembrane;
@@ -22,13 +22,10 @@ impl SavedState {
     /// # Errors
     /// If the entry of the world is of another type.
     pub fn membranes(&self) -> Result<Vec<StoredMembrane>, StateError> {
-        if self.world.bytes(MEMBRANES).is_none() {
-            return Ok(Vec::new());
-        }
         let catalogue = self.catalogue();
         let name = |id| catalogue.wall(id).map_or_else(String::new, |wall| wall.name.clone());
-        let membranes: MembraneStates = self.world.get(MEMBRANES)?;
-        let seen = membranes.0.into_iter().map(|membrane| {
+        let membranes: Option<MembraneStates> = find(&self.world, MEMBRANES)?;
+        let seen = membranes.into_iter().flat_map(|all| all.0).map(|membrane| {
             let between = match membrane.course {
                 Course::Closed => None,
                 Course::Between { first, second, .. } => Some((name(first), name(second))),

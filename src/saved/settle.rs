@@ -11,6 +11,8 @@ use glam::DVec2;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::find;
+
 /// Ends the stage: loads stay at what they have reached, and imposed motions of walls that turn and
 /// of the cell end.
 pub(super) fn settle(state: &mut WorldState, at: &ClasticProgress) -> Result<(), StateError> {
@@ -67,10 +69,7 @@ fn change<T: Serialize + DeserializeOwned>(
     entry: &str,
     with: impl FnOnce(&mut T),
 ) -> Result<(), StateError> {
-    if state.bytes(entry).is_none() {
-        return Ok(());
-    }
-    let mut value = state.get(entry)?;
+    let Some(mut value) = find(state, entry)? else { return Ok(()) };
     with(&mut value);
     state.set(entry, &value)
 }

@@ -36,20 +36,16 @@ pub(super) fn decode(bytes: Vec<u8>, help: &str) -> Result<String, (String, Plac
 }
 
 /// Name of the kind of a file that is not regular.
-#[cfg(unix)]
 fn name(kind: FileType) -> &'static str {
-    use std::os::unix::fs::FileTypeExt;
+    #[cfg(unix)]
+    use std::os::unix::fs::FileTypeExt as _;
 
     match kind {
         _ if kind.is_dir() => "a directory",
+        #[cfg(unix)]
         _ if kind.is_fifo() => "a named pipe",
+        #[cfg(unix)]
         _ if kind.is_socket() => "a socket",
         _ => "a device",
     }
-}
-
-/// Name of the kind of a file that is not regular.
-#[cfg(not(unix))]
-fn name(kind: FileType) -> &'static str {
-    if kind.is_dir() { "a directory" } else { "a device" }
 }

@@ -12,7 +12,7 @@ use super::coincident::coincident;
 use super::files::{decode, read_at_most};
 use super::limits::{MAX_NUMBER, MAX_PARTICLES, MIN_NUMBER};
 pub use super::stored_state::{ReadError, StoredParticle, StoredSpecimen};
-use crate::text::diagnostic::{Finding, Placed, SceneErrors};
+use crate::text::diagnostic::{Finding, Placed, SceneErrors, line_and_column};
 use crate::text::edited::EditedText;
 
 /// Maximum size of the file, bytes: that of `MAX_PARTICLES` rows with all digits.
@@ -43,8 +43,7 @@ pub fn read(path: &Path) -> Result<StoredSpecimen, ReadError> {
         reading.text(&text);
         let disks: Vec<_> = reading.rows.iter().map(|row| (row.x, row.y, row.r)).collect();
         for (earlier, later) in coincident(&disks) {
-            let (line, _) =
-                crate::text::diagnostic::line_and_column(&text, reading.starts[earlier]);
+            let (line, _) = line_and_column(&text, reading.starts[earlier]);
             let message = format!("the same place as the particle of line {line}");
             reading.note(reading.starts[later], "x_m", &message, "leave one of them out");
         }

@@ -15,7 +15,7 @@ use clastic_systems::state::{StateError, WorldState};
 
 use super::files::read_at_most;
 use super::format::{Cell, Scene, Specimen, Wall};
-use crate::saved::SavedState;
+use crate::saved::{SavedState, find};
 use crate::tables::Tables;
 use crate::text::diagnostic::SceneErrors;
 
@@ -163,16 +163,11 @@ impl StoredState {
         let groups: BTreeSet<_> = groups.into_iter().map(|(_, group)| group.0).collect();
         let probes = world.components::<BodyId, Probe>("probe")?.into_iter();
         let probes = probes.filter(|(id, _)| is_particle(id)).map(|(id, probe)| (probe.0, id.0));
+        let cell: Option<PeriodicCell> = find(world, PERIODIC_CELL)?;
         Ok(Self {
             walls,
             membranes,
-            cell: match world.bytes(PERIODIC_CELL) {
-                Some(_) => {
-                    let cell: PeriodicCell = world.get(PERIODIC_CELL)?;
-                    Some(Cell { size: (cell.width, cell.height) })
-                }
-                None => None,
-            },
+            cell: cell.map(|cell| Cell { size: (cell.width, cell.height) }),
             rigid,
             groups: groups.into_iter().collect(),
             probes: probes.collect(),

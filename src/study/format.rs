@@ -127,12 +127,8 @@ impl Study {
     pub(super) fn wrong(&self, file: &Path, path: &str, message: &str) -> StudyError {
         let at = scan(&self.text).0.map_or(0, |root| nearest(&root, path, false));
         let (line, column) = line_and_column(&self.text, at);
-        StudyError::Plan {
-            file: file.to_owned(),
-            line,
-            column,
-            message: format!("{path}: {message}"),
-        }
+        let (file, message) = (file.to_owned(), format!("{path}: {message}"));
+        StudyError::Plan { file, line, column, message }
     }
 }
 

@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use csv::StringRecord;
 use serde_json::Value;
 
 use super::planned::{Plan, label};
 use crate::output::OutputError;
 use crate::output::atomic::write_atomic;
-use crate::output::csv_file::{Field, Row};
+use crate::output::csv_file::{self, Field, Row};
 use crate::output::directory;
 use crate::output::marks::marks;
 
@@ -81,20 +82,13 @@ pub fn write(path: &Path, plan: &Plan, records: &[Value]) -> Result<(), OutputEr
 /// Directory and values of every run of a table that was made, the values as text:
 /// `mu 0.2, seed 1`.
 pub fn read(path: &Path) -> Result<Vec<(String, String)>, OutputError> {
-    let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
-    let names = reader.headers().map_err(OutputError::at(path))?.clone();
+    let (header, rows) = csv_file::read(path)?;
     // The values are between the directory and the outcome.
-    let end = names.iter().position(|name| name == "status").unwrap_or(1);
-    let mut runs = Vec::new();
-    for row in reader.records() {
-        let row = row.map_err(OutputError::at(path))?;
-        if row.get(end) != Some(NOT_RUN) {
-            let [names, values] =
-                [&names, &row].map(|of| of.iter().take(end).skip(1).collect::<Vec<_>>());
-            runs.push((row[0].to_owned(), label(&names, &values)));
-        }
-    }
-    Ok(runs)
+    let end = header.iter().position(|name| name == "status").unwrap_or(1);
+    let inner = |row: &StringRecord| row.iter().take(end).skip(1).map(str::to_owned).collect();
+    let names: Vec<String> = inner(&header);
+    let made = rows.iter().filter(|row| row.get(end) != Some(NOT_RUN));
+    Ok(made.map(|row| (row[0].to_owned(), label(&names, &inner(row)))).collect())
 }
 
 fn number(value: &Value) -> Field<'static> {

@@ -16,6 +16,8 @@ mod array;
 mod npy;
 mod npz;
 
+use indexmap::IndexMap;
+
 pub(crate) use array::Column;
 pub use array::{Array, Data, Value};
 
@@ -50,32 +52,12 @@ impl TableError {
 
 /// Arrays by name, in the order in which they were added.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Tables(Vec<(String, Array)>);
+pub struct Tables(IndexMap<String, Array>);
 
 impl Tables {
     /// Adds an array, or replaces the array of this name.
     pub fn put(&mut self, name: &str, array: Array) {
-        match self.0.iter_mut().find(|(known, _)| known == name) {
-            Some((_, old)) => *old = array,
-            None => self.0.push((name.to_owned(), array)),
-        }
-    }
-
-    /// The tables as an archive.
-    ///
-    /// # Errors
-    /// If an array does not fit into an archive.
-    pub fn encode(&self) -> Result<Vec<u8>, TableError> {
-        npz::encode(self)
-    }
-
-    /// The tables of an archive.
-    ///
-    /// # Errors
-    /// If it is no archive, is damaged (every array has a checksum), or holds something else than
-    /// arrays.
-    pub fn decode(bytes: &[u8]) -> Result<Self, TableError> {
-        npz::decode(bytes)
+        self.0.insert(name.to_owned(), array);
     }
 
     /// Names and arrays, in order.
@@ -88,8 +70,7 @@ impl Tables {
     /// # Errors
     /// If there is none.
     pub fn get(&self, name: &str) -> Result<&Array, TableError> {
-        let found = self.iter().find(|(known, _)| *known == name);
-        found.map(|(_, array)| array).ok_or_else(|| TableError::Missing(name.to_owned()))
+        self.0.get(name).ok_or_else(|| TableError::Missing(name.to_owned()))
     }
 
     /// Number of rows of an array: its first dimension; 1 for a single value.
@@ -99,9 +80,7 @@ impl Tables {
     pub fn rows(&self, name: &str) -> Result<usize, TableError> {
         Ok(self.get(name)?.shape.first().copied().unwrap_or(1))
     }
-}
 
-impl Tables {
     /// The values of an array of this type and shape, row by row.
     ///
     /// # Errors

@@ -6,6 +6,7 @@ use std::iter::from_fn;
 use serde::de::value::{MapDeserializer, SeqDeserializer, StrDeserializer};
 use serde::de::{self, DeserializeSeed, IntoDeserializer, Visitor};
 
+use super::diagnostic::Placed;
 use super::read::{Failure, found};
 use super::spans::{is_group, join};
 use super::suggest;
@@ -42,13 +43,9 @@ impl<'a> Reader<'a> {
                 Some((field, value))
             });
             let made_up = || {
-                let is_missing = |field: &str| {
-                    let path = join(path, field);
-                    cx.missing.iter().any(|placed| placed.finding.path == path)
-                };
-                let is_made_up = self.is_made_up();
                 let is_due = |field: &&&str| {
-                    let is_due = is_made_up || (!cx.missing.is_empty() && is_missing(field));
+                    let is_missing = |of: &Placed| of.finding.path == join(path, field);
+                    let is_due = self.is_made_up() || cx.missing.iter().any(is_missing);
                     is_due && !given.contains(*field)
                 };
                 Some((*allowed.iter().find(is_due)?, self.made_up()))
@@ -97,13 +94,12 @@ impl<'a> Reader<'a> {
 
     /// Records that the entry of an index has no name.
     fn note_unnamed(&self, k: usize) {
-        let value = &self.node.entries[k].value;
-        let message = format!("expected `name: value`, found {}", found(value));
-        let before = k.checked_sub(1).map(|before| &self.node.entries[before].value);
-        let is_number = |value: &Node| value.shape == Shape::Number;
-        let is_decimal = is_number(value) && before.is_some_and(is_number);
+        let value = |k: usize| &self.node.entries[k].value;
+        let message = format!("expected `name: value`, found {}", found(value(k)));
+        let is_number = |k: usize| value(k).shape == Shape::Number;
+        let is_decimal = k > 0 && is_number(k - 1) && is_number(k);
         let help = if is_decimal { "a decimal has a point, no comma" } else { "" };
-        self.cx.note(value.span.start, &self.path, message, help);
+        self.cx.note(value(k).span.start, &self.path, message, help);
     }
 
     /// The remedy where values have no names.

@@ -98,14 +98,10 @@ pub struct SceneErrors {
 
 impl fmt::Display for SceneErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, diagnostic) in self.list.iter().enumerate() {
-            let newline = if i > 0 { "\n" } else { "" };
-            write!(f, "{newline}{diagnostic}")?;
-        }
-        if self.omitted > 0 {
-            write!(f, "\n{}: and {} more", self.file.display(), self.omitted)?;
-        }
-        Ok(())
+        let (file, omitted) = (self.file.display(), self.omitted);
+        let more = (omitted > 0).then(|| format!("{file}: and {omitted} more"));
+        let lines = self.list.iter().map(Diagnostic::to_string).chain(more);
+        f.write_str(&lines.collect::<Vec<_>>().join("\n"))
     }
 }
 
@@ -131,11 +127,8 @@ pub(crate) fn place(
             rest.map_or(path.clone(), |rest| format!("{written}{rest}"))
         })
     };
-    let placed = findings.into_iter().map(|finding| Placed {
-        at: nearest(root, &written(&finding.path), finding.at_key),
-        finding,
-    });
-    placed.collect()
+    let at = |finding: &Finding| nearest(root, &written(&finding.path), finding.at_key);
+    findings.into_iter().map(|finding| Placed { at: at(&finding), finding }).collect()
 }
 
 /// Whether a path equals another path or is a part of it.
@@ -154,7 +147,7 @@ impl SceneErrors {
             .into_iter()
             .map(|Placed { at, finding: Finding { path, message, help, .. } }| {
                 let source = text.source(at);
-                let (line, column) = line_and_column(text.file(), source.at);
+                let (line, column) = line_and_column(&text.file, source.at);
                 let set = source.set.map(str::to_owned);
                 Diagnostic { file: file.to_owned(), line, column, set, path, message, help }
             })

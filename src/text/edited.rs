@@ -7,7 +7,8 @@ use super::spans::Span;
 pub struct EditedText {
     /// The text with settings applied.
     pub text: String,
-    file: String,
+    /// The text of the file.
+    pub file: String,
     edits: Vec<Edit>,
 }
 
@@ -33,11 +34,6 @@ impl EditedText {
     /// A text without settings.
     pub fn of(file: &str) -> Self {
         Self { text: file.to_owned(), file: file.to_owned(), edits: Vec::new() }
-    }
-
-    /// The text of the file.
-    pub fn file(&self) -> &str {
-        &self.file
     }
 
     /// Replaces a span of the text by the text of a setting.
@@ -82,7 +78,7 @@ mod tests {
         assert_eq!(source(20), Source { at: 16, set: None });
         assert_eq!(source(99), Source { at: 18, set: None });
         for (i, c) in edited.text.char_indices().filter(|(i, _)| source(*i).set.is_none()) {
-            assert_eq!(edited.file()[source(i).at..].chars().next(), Some(c));
+            assert_eq!(edited.file[source(i).at..].chars().next(), Some(c));
         }
     }
 

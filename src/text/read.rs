@@ -130,21 +130,18 @@ impl Failure {
         let (path, at) = self.place.as_ref()?;
         let field = self.field?;
         let path = join(path, field);
+        let parts = match field {
+            "position" | "start" | "end" | "min" | "max" | "about" | "centre" => "as (x, y) ",
+            "size" if path == "cell.size" => "as (width, height) ",
+            "limits" | "radii" => "as (minimum, maximum) ",
+            _ => "",
+        };
         let help = match (field, unit_of(field, None).filter(|unit| !unit.is_empty())) {
             ("version", _) => format!("add `version: {VERSION}`"),
             ("increments" | "columns" | "rows" | "count", _) => {
                 format!("add `{field}: ...`, a number from 1")
             }
-            ("position" | "start" | "end" | "min" | "max" | "about" | "centre", Some(unit)) => {
-                format!("add `{field}: ...`, as (x, y) in {unit}")
-            }
-            ("size", Some(unit)) if path == "cell.size" => {
-                format!("add `{field}: ...`, as (width, height) in {unit}")
-            }
-            ("limits" | "radii", Some(unit)) => {
-                format!("add `{field}: ...`, as (minimum, maximum) in {unit}")
-            }
-            (_, Some(unit)) => format!("add `{field}: ...`, in {unit}"),
+            (_, Some(unit)) => format!("add `{field}: ...`, {parts}in {unit}"),
             (_, None) => format!("add `{field}: ...`"),
         };
         let finding = Finding::new(path, format!("missing field `{field}`"), help);

@@ -72,11 +72,7 @@ pub(crate) fn parse_path(path: &str) -> Option<Vec<Step>> {
             steps.push(Step::Index(index.parse().ok()?));
             rest = after;
         } else {
-            let name = match rest.strip_prefix('.') {
-                Some(name) if !steps.is_empty() => name,
-                None if steps.is_empty() => rest,
-                _ => return None,
-            };
+            let name = if steps.is_empty() { rest } else { rest.strip_prefix('.')? };
             let end = name.find(['.', '[']).unwrap_or(name.len());
             if end == 0 {
                 return None;

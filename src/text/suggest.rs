@@ -1,5 +1,7 @@
 //! Suggestions for misspelt names.
 
+use indexmap::IndexSet;
+
 /// Names with less similarity than this (1 is equal) do not count as misspellings of each other.
 const ALIKE: f64 = 0.6;
 
@@ -29,13 +31,10 @@ pub(crate) fn list(names: &[&str]) -> String {
 
 /// Help text: "did you mean `x`? `label` are ...". It is empty without names.
 pub(crate) fn help(word: &str, names: &[&str], label: &str) -> String {
-    let mut names = names.to_vec();
     // A name that is given twice is reported separately.
-    let mut seen = std::collections::BTreeSet::new();
-    names.retain(|name| seen.insert(*name));
-    let meant = nearest(word, names.iter().copied())
-        .map(|name| format!("did you mean `{name}`? "))
-        .unwrap_or_default();
+    let names: Vec<_> = names.iter().copied().collect::<IndexSet<_>>().into_iter().collect();
+    let meant = nearest(word, names.iter().copied());
+    let meant = meant.map_or(String::new(), |name| format!("did you mean `{name}`? "));
     match names.as_slice() {
         [] => format!("there are no {label}"),
         [only] => format!("{meant}there is only `{only}`"),

@@ -40,17 +40,13 @@ pub(super) fn parse(unit: &str) -> Option<(f64, [i32; 4])> {
     for (k, mut left) in unit.split('/').enumerate() {
         let sign = if k == 0 { 1 } else { -1 };
         while !left.is_empty() {
-            let mut longest: Option<(&str, f64, [i32; 4])> = None;
-            for (prefix, factor) in PREFIXES {
-                for (name, of_base, dimension) in BASE {
-                    let rest = left.strip_prefix(prefix).and_then(|l| l.strip_prefix(name));
-                    if let Some(rest) = rest.filter(|r| longest.is_none_or(|l| r.len() < l.0.len()))
-                    {
-                        longest = Some((rest, factor * of_base, dimension));
-                    }
-                }
-            }
-            let (rest, factor, dimension) = longest?;
+            let readings = PREFIXES.into_iter().flat_map(|(prefix, factor)| {
+                BASE.into_iter().filter_map(move |(name, of_base, dimension)| {
+                    let rest = left.strip_prefix(prefix)?.strip_prefix(name)?;
+                    Some((rest, factor * of_base, dimension))
+                })
+            });
+            let (rest, factor, dimension) = readings.min_by_key(|(rest, ..)| rest.len())?;
             let digits = rest.find(|c: char| c != '-' && !c.is_ascii_digit()).unwrap_or(rest.len());
             let (power, rest) = rest.split_at(digits);
             let power =

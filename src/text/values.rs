@@ -94,12 +94,8 @@ fn replace<'t>(node: &mut Node<'t>, replacements: &mut Replacements<'t>) {
 fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Notes, Replacements<'t>) {
     let mut notes = Notes::default();
     let places = defined_names(root);
-    let mut uses = Vec::new();
-    walk(root, String::new(), None, &mut uses);
     let courses = courses::find(root);
-    let parts: BTreeSet<_> =
-        courses.iter().flat_map(|course| &course.parts).map(|part| part.node.span.start).collect();
-    uses.retain(|at| !parts.contains(&at.node.span.start));
+    let mut uses = Vec::new();
     for course in &courses {
         for Part { node, path, expression } in &course.parts {
             let Some(expression) = expression.clone() else { continue };
@@ -107,7 +103,10 @@ fn replacements<'t>(root: &Node<'t>, spared: &BTreeSet<String>) -> (Notes, Repla
             uses.push(Use { node, path, expression, unit, own: course.names() });
         }
     }
+    walk(root, String::new(), None, &mut uses);
+    // Those of a course stay: the sort is stable.
     uses.sort_by_key(|at| at.node.span.start);
+    uses.dedup_by_key(|at| at.node.span.start);
     uses.retain(|at| {
         let is_known = |name: &&str| places.contains_key(*name) || at.own.contains(name);
         at.expression.names().iter().all(is_known)

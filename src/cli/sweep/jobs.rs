@@ -9,6 +9,7 @@ use std::env;
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::Read;
+use std::mem::take;
 use std::num::NonZero;
 use std::process::Child;
 use std::thread;
@@ -68,26 +69,23 @@ pub(crate) fn run_all(
         }
         let under_way = running.iter().map(|process| &process.task);
         let pending: Vec<Task> = under_way.chain(&waiting).copied().collect();
-        let mut later = Vec::new();
-        for task in waiting.drain(..) {
+        for task in take(&mut waiting) {
             let start = sweep.planned(task).start.as_ref();
             let waits = start.is_some_and(|s| pending.contains(&Task::Prepare(s.preparation)));
             if interrupted || waits || running.len() >= jobs {
-                later.push(task);
+                waiting.push(task);
                 continue;
             }
             match sweep.begin(task, &program)? {
                 Begun::Done => show.done(sweep, task, None),
-                Begun::Busy => later.push(task),
+                Begun::Busy => waiting.push(task),
                 Begun::Impossible(why) => show.done(sweep, task, Some(why)),
                 Begun::Runs(child, lock) => running.push(Running { task, child, _lock: lock }),
             }
         }
-        waiting = later;
-        let mut still = Vec::new();
-        for mut process in running {
+        for mut process in take(&mut running) {
             match process.child.try_wait() {
-                Ok(None) => still.push(process),
+                Ok(None) => running.push(process),
                 Ok(Some(status)) if status.code() == Some(Exit::Interrupted as i32) => {}
                 Ok(Some(status)) => {
                     let mut said = String::new();
@@ -102,7 +100,6 @@ pub(crate) fn run_all(
                 }
             }
         }
-        running = still;
         show.state(sweep, running.iter().map(|process| process.task));
         thread::sleep(PAUSE);
     }

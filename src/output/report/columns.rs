@@ -20,16 +20,17 @@ pub struct Columns(Vec<u8>);
 
 impl Columns {
     /// Whole numbers.
-    pub fn counts(&mut self, values: &[u32]) {
+    pub fn counts(&mut self, values: impl IntoIterator<Item = u32>) {
+        let values: Vec<_> = values.into_iter().map(u32::to_le_bytes).collect();
         for plane in 0..4 {
-            self.0.extend(values.iter().map(|x| x.to_le_bytes()[plane]));
+            self.0.extend(values.iter().map(|bytes| bytes[plane]));
         }
     }
 
     /// Numbers, rounded to multiples of `step`; 0 rounds none.
-    pub fn numbers(&mut self, values: &[f32], step: f32) {
-        let rounded = |x: &f32| if step > 0.0 { (x / step).round() * step } else { *x };
-        self.counts(&values.iter().map(|x| rounded(x).to_bits()).collect::<Vec<_>>());
+    pub fn numbers(&mut self, values: impl IntoIterator<Item = f32>, step: f32) {
+        let rounded = |x: f32| if step > 0.0 { (x / step).round() * step } else { x };
+        self.counts(values.into_iter().map(|x| rounded(x).to_bits()));
     }
 
     /// The text in the page.

@@ -78,7 +78,7 @@ fn page(data: &serde_json::Value, movie: Option<&Movie>) -> String {
     let titles = data["runs"].as_array().into_iter().flatten();
     let titles: Vec<_> = titles.filter_map(|run| run["record"]["title"].as_str()).collect();
     let title = match titles.as_slice() {
-        [one] => escaped(one),
+        [one] => one.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;"),
         several => format!("{} runs", several.len()),
     };
     // Within a script no text may look like the end of it.
@@ -99,11 +99,6 @@ fn page(data: &serde_json::Value, movie: Option<&Movie>) -> String {
 /// All values once, ascending.
 fn distinct<T: Ord>(all: impl Iterator<Item = T>) -> Vec<T> {
     all.collect::<BTreeSet<_>>().into_iter().collect()
-}
-
-/// Text within HTML.
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
 }
 
 #[cfg(test)]

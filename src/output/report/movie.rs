@@ -127,47 +127,37 @@ impl Rows {
     /// What does not change: of bodies place without displacement, radius, identity, material,
     /// group; of bonds bodies and identity.
     fn still(&self, frames: &[Frame], origin: [f64; 2], to: &mut Columns) {
-        let n = self.bodies.len();
-        let mut places = [vec![0.0_f32; n], vec![0.0_f32; n]];
-        let mut radii = vec![0.0_f32; n];
-        let (mut materials, mut groups) = (vec![0_u32; n], vec![NONE; n]);
-        let names = self::groups(frames);
         // The first frame with a body decides.
-        for frame in frames.iter().rev() {
-            for (row, id) in frame.bodies.id.iter().enumerate() {
-                let k = self.index(*id) as usize;
-                let (centre, moved) = (frame.centre(row), frame.bodies.displacement_m[row]);
-                for axis in 0..2 {
-                    let place = centre[axis] - origin[axis] - f64::from(moved[axis]);
-                    places[axis][k] = place as f32;
-                }
-                radii[k] = frame.bodies.radius_m[row];
-                materials[k] = frame.bodies.material[row];
-                let group = frame.groups.get(frame.bodies.group[row] as usize);
-                let group = group.and_then(|group| names.iter().position(|name| name == group));
-                groups[k] = group.map_or(NONE, |k| k as u32);
-            }
+        let first = |id: &u32| frames.iter().find_map(|frame| Some((frame, frame.row(*id)?)));
+        let first: Vec<_> = self.bodies.iter().filter_map(first).collect();
+        for axis in 0..2 {
+            let place = |(frame, row): &(&Frame, usize)| {
+                let moved = f64::from(frame.bodies.displacement_m[*row][axis]);
+                (frame.centre(*row)[axis] - origin[axis] - moved) as f32
+            };
+            to.numbers(first.iter().map(place), 0.0);
         }
-        places.iter().for_each(|place| to.numbers(place, 0.0));
-        to.numbers(&radii, 0.0);
-        to.counts(&self.bodies);
-        to.counts(&materials);
-        to.counts(&groups);
-        to.counts(&self.bonds.iter().map(|bond| self.index(bond.0)).collect::<Vec<_>>());
-        to.counts(&self.bonds.iter().map(|bond| self.index(bond.1)).collect::<Vec<_>>());
-        to.counts(&self.bonds.iter().map(|bond| bond.2).collect::<Vec<_>>());
+        to.numbers(first.iter().map(|(frame, row)| frame.bodies.radius_m[*row]), 0.0);
+        to.counts(self.bodies.iter().copied());
+        to.counts(first.iter().map(|(frame, row)| frame.bodies.material[*row]));
+        let names = groups(frames);
+        let group = |(frame, row): &(&Frame, usize)| {
+            let group = frame.groups.get(frame.bodies.group[*row] as usize)?;
+            names.iter().position(|name| name == group)
+        };
+        to.counts(first.iter().map(|first| group(first).map_or(NONE, |k| k as u32)));
+        to.counts(self.bonds.iter().map(|bond| self.index(bond.0)));
+        to.counts(self.bonds.iter().map(|bond| self.index(bond.1)));
+        to.counts(self.bonds.iter().map(|bond| bond.2));
     }
 
     /// What changes.
     fn frame(&self, frame: &Frame, strains: &Strains, scales: &Scales, to: &mut Columns) {
-        let n = self.bodies.len();
         let of = &frame.bodies;
-        let at: Vec<usize> = of.id.iter().map(|id| self.index(*id) as usize).collect();
+        let at: Vec<_> = self.bodies.iter().map(|id| frame.row(*id)).collect();
         // A body that is not in the frame has no displacement.
         let mut column = |step: f32, none: f32, value: &dyn Fn(usize) -> f32| {
-            let mut column = vec![none; n];
-            at.iter().enumerate().for_each(|(row, k)| column[*k] = value(row));
-            to.numbers(&column, step);
+            to.numbers(at.iter().map(|row| row.map_or(none, value)), step);
         };
         column(scales.displacement, f32::NAN, &|row| of.displacement_m[row][0]);
         column(scales.displacement, f32::NAN, &|row| of.displacement_m[row][1]);
@@ -178,9 +168,7 @@ impl Rows {
         column(scales.velocity, 0.0, &|row| of.velocity_m_s[row][1]);
         column(scales.strain, f32::NAN, &|row| strains[0][row]);
         column(scales.strain, f32::NAN, &|row| strains[1][row]);
-        let mut fragments = vec![0; n];
-        at.iter().zip(&of.fragment).for_each(|(k, id)| fragments[*k] = self.index(*id));
-        to.counts(&fragments);
+        to.counts(at.iter().map(|row| row.map_or(0, |row| self.index(of.fragment[row]))));
 
         let pairs = &frame.pairs;
         let forces = [
@@ -196,16 +184,15 @@ impl Rows {
             }
         }
         let state = |row: &Option<usize>| row.map_or(NO_BOND, |k| pairs.state[k].into());
-        to.counts(&rows.iter().map(state).collect::<Vec<_>>());
+        to.counts(rows.iter().map(state));
         for (force, step) in forces {
-            let force = |row: &Option<usize>| row.map_or(0.0, |k| force[k]);
-            to.numbers(&rows.iter().map(force).collect::<Vec<_>>(), step);
+            to.numbers(rows.iter().map(|row| row.map_or(0.0, |k| force[k])), step);
         }
         for ids in [&pairs.a, &pairs.b] {
-            to.counts(&contacts(pairs).map(|k| self.index(ids[k])).collect::<Vec<_>>());
+            to.counts(contacts(pairs).map(|k| self.index(ids[k])));
         }
         for (force, step) in forces {
-            to.numbers(&contacts(pairs).map(|k| force[k]).collect::<Vec<_>>(), step);
+            to.numbers(contacts(pairs).map(|k| force[k]), step);
         }
     }
 }

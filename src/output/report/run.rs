@@ -10,7 +10,7 @@ use crate::output::drive::Drive;
 use crate::output::history::has_column;
 use crate::output::marks::marks;
 use crate::output::read_history::{History, TestPoint};
-use crate::output::{OutputError, directory};
+use crate::output::{OutputError, csv_file, directory};
 
 /// Columns of texts.
 const TEXTS: [&str; 4] = ["stage", "status", "caps", "mode"];
@@ -81,25 +81,16 @@ impl Run {
 /// The columns of a CSV file with these names. Empty fields are null. A file that is not there has
 /// none.
 fn table(path: &Path, is_read: impl Fn(&str) -> bool) -> Result<Map<String, Value>, OutputError> {
-    let mut columns = Map::new();
     if !path.exists() {
-        return Ok(columns);
+        return Ok(Map::new());
     }
-    let mut reader = csv::Reader::from_path(path).map_err(OutputError::at(path))?;
-    let header = reader.headers().map_err(OutputError::at(path))?.clone();
-    let mut values: Vec<Vec<Value>> = vec![Vec::new(); header.len()];
-    for row in reader.records() {
-        let row = row.map_err(OutputError::at(path))?;
-        for ((name, field), column) in header.iter().zip(row.iter()).zip(&mut values) {
-            if is_read(name) {
-                column.push(if TEXTS.contains(&name) { field.into() } else { number(field) });
-            }
-        }
-    }
-    for (name, column) in header.iter().zip(values).filter(|(name, _)| is_read(name)) {
-        columns.insert(name.to_owned(), column.into());
-    }
-    Ok(columns)
+    let (header, rows) = csv_file::read(path)?;
+    let column = |(k, name): (usize, &str)| {
+        let is_text = TEXTS.contains(&name);
+        let value = |field: &str| if is_text { field.into() } else { number(field) };
+        (name.to_owned(), rows.iter().map(|row| value(&row[k])).collect())
+    };
+    Ok(header.iter().enumerate().filter(|(_, name)| is_read(name)).map(column).collect())
 }
 
 /// A field as a number of the page: null if it is no number, an integer if it is whole, otherwise

@@ -34,8 +34,8 @@ fn columns_have_planes_and_numbers_their_step() {
     let step = step(3.14159e7, 1.0 / 16_384.0);
     assert_eq!(step, 1024.0);
     let mut columns = Columns::default();
-    columns.counts(&[0x0403_0201, NONE]);
-    columns.numbers(&values, step);
+    columns.counts([0x0403_0201, NONE]);
+    columns.numbers(values, step);
     let bytes = unpacked(&columns.text());
     assert_eq!(bytes.len(), 8 + 4 * values.len());
     assert_eq!(bytes[..8], [1, 255, 2, 255, 3, 255, 4, 255]);

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 use super::{
@@ -160,14 +161,9 @@ impl RigidControl {
     /// Force on the centre at the end of the stage, N, for bodies of this thickness (m); `None` if
     /// the entry gives none.
     pub(crate) fn total_force(&self, thickness: f64) -> Option<(f64, f64)> {
-        let by_stress = self.stress.map(|traction| {
-            let area = traction.length * thickness;
-            (traction.value.0 * area, traction.value.1 * area)
-        });
-        match (self.force, by_stress) {
-            (Some((x, y)), Some((sx, sy))) => Some((x + sx, y + sy)),
-            (force, by_stress) => force.or(by_stress),
-        }
+        let force = self.force.map(DVec2::from);
+        let by_stress = self.stress.map(|of| DVec2::from(of.value) * (of.length * thickness));
+        force.into_iter().chain(by_stress).reduce(|a, b| a + b).map(DVec2::into)
     }
 
     /// Motions along x, along y, and of the rotation, with their fields and units.

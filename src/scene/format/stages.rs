@@ -56,19 +56,6 @@ impl Stage {
         }
     }
 
-    /// Name of the stage, for changes.
-    pub(crate) fn name_mut(&mut self) -> &mut String {
-        match self {
-            Self::Compact(s) => &mut s.name,
-            Self::Save(s) => &mut s.name,
-            Self::Remove(s) => &mut s.name,
-            Self::Cement(s) => &mut s.name,
-            Self::Load(s) => &mut s.name,
-            Self::Pour(s) => &mut s.load.name,
-            Self::Custom(s) => &mut s.name,
-        }
-    }
-
     /// What the stage does to walls, particles and groups, and when it stops, if it is a loading
     /// stage or pours.
     pub fn load(&self) -> Option<&Load> {
@@ -252,14 +239,18 @@ pub(super) fn deserialize<'de, D: Deserializer<'de>>(d: D) -> Result<Vec<Stage>,
 }
 
 fn add(item: &Item, suffix: &str, stages: &mut Vec<Stage>) {
-    let mut stage = match item {
-        Item::Compact(stage) => Stage::Compact(stage.clone()),
-        Item::Cement(stage) => Stage::Cement(stage.clone()),
-        Item::Save(stage) => Stage::Save(stage.clone()),
-        Item::Remove(stage) => Stage::Remove(stage.clone()),
-        Item::Load(stage) => Stage::Load(stage.clone()),
-        Item::Pour(stage) => Stage::Pour(stage.clone()),
-        Item::Custom(stage) => Stage::Custom(stage.clone()),
+    let name = |name: &str| format!("{name}{suffix}");
+    let stage = match item {
+        Item::Compact(of) => Stage::Compact(Compact { name: name(&of.name), ..of.clone() }),
+        Item::Cement(of) => Stage::Cement(Cement { name: name(&of.name), ..of.clone() }),
+        Item::Save(of) => Stage::Save(Save { name: name(&of.name) }),
+        Item::Remove(of) => Stage::Remove(Remove { name: name(&of.name), ..of.clone() }),
+        Item::Load(of) => Stage::Load(Load { name: name(&of.name), ..of.clone() }),
+        Item::Pour(of) => {
+            let load = Load { name: name(&of.load.name), ..of.load.clone() };
+            Stage::Pour(Box::new(Pour { load, stream: of.stream.clone() }))
+        }
+        Item::Custom(of) => Stage::Custom(CustomStage { name: name(&of.name), ..of.clone() }),
         Item::Repeat(Repeat { times, stages: items }) => {
             for k in (1..=*times).filter(|_| !items.is_empty()) {
                 if stages.len() > MAX_STAGES {
@@ -272,6 +263,5 @@ fn add(item: &Item, suffix: &str, stages: &mut Vec<Stage>) {
             return;
         }
     };
-    stage.name_mut().push_str(suffix);
     stages.push(stage);
 }
