@@ -27,7 +27,7 @@ impl Frame {
 /// If the directory cannot be read.
 pub fn list(run: &Path) -> Result<Vec<PathBuf>, OutputError> {
     let directory = run.join(FRAMES);
-    if !directory.exists() {
+    if !directory.try_exists().map_err(OutputError::at(&directory))? {
         return Ok(Vec::new());
     }
     let order = |name: &str| match name {
