@@ -78,6 +78,40 @@ fn wrong_lengths_and_areas_of_stresses_give_neither_modulus_nor_friction_angle()
     assert!(of(right).1["youngs_modulus_pa"].is_number());
 }
 
+/// A length of 11.64 m for one of 11.64 mm left a strength of 0.2 MPa for 200, in Pa.
+#[test]
+fn a_stress_in_another_unit_gives_no_strength() {
+    let length =
+        "measures.axial_stress.of=Stress(Walls(walls: [\"bottom\", \"top\"], length: Fixed(";
+    for wrong in ["11.64", "11.64e-6"] {
+        let set = format!("{length}{wrong})))");
+        let (done, out) = run("uniaxial_small", &["--quiet", "--set", &set]);
+        let done = done.code(0);
+        assert!(stderr(&done).contains("measures.axial_stress: `Fixed("), "{wrong}");
+        assert!(stdout(&done).contains("no modulus and no peak stress"), "{}", stdout(&done));
+        let results = &read_json(out.path(), "run.json")["results"];
+        for (name, value) in results.as_object().unwrap() {
+            assert!(!name.ends_with("_pa") || value.is_null(), "{wrong}: {name} is {value}");
+        }
+    }
+    let area = |value: &str| {
+        let set = format!("measures=[(name: \"n\", of: Porosity(Fixed({value})))]");
+        stdout(&clastic(&["check", "uniaxial_small", "--set", &set]).code(0))
+    };
+    assert!(area("338.0").contains("measures.n: `Fixed(338.0)` for a specimen of"));
+    assert!(!area("338.0e-6").contains("Fixed"));
+}
+
+/// Bonds that are fewer than the stop asks for were only told at the end of the run.
+#[test]
+fn a_stop_at_more_broken_bonds_than_there_are_is_refused() {
+    let measure = "measures[2]=(name: \"broken\", of: Broken(All))";
+    let stop = "stages.load.stop=[Above(\"broken\", 5000.0)]";
+    let (refused, _out) = run("uniaxial_small", &["--quiet", "--set", measure, "--set", stop]);
+    let said = stderr(&refused.code(3));
+    assert!(said.contains("stop[0] can never hold: it is at 5000.0 broken bonds"), "{said}");
+}
+
 #[test]
 fn a_stage_that_ended_before_its_stop_marks_its_run() {
     let marks_of = |ended_by: &str, stop: Value| {
@@ -104,14 +138,21 @@ fn likely_mistakes_of_time_weight_and_density_are_told_before_the_run() {
             "stages.release.walls={\"floor\": Follow(Displacement([(0.0, 0.0, 0.0), (0.1, 0.0, 50.0)]))}",
             "stages.release: in a time step",
         ),
+        (
+            "stages.release.walls={\"floor\": Follow(Displacement(0.0, 1e-4 * sin(2 * pi * 100 * t)))}",
+            "stages.release.walls.floor turns back and forth in 5.0 time steps",
+        ),
     ] {
         let said = stdout(&clastic(&["check", "column_collapse_small", "--set", setting]).code(0));
         assert!(said.contains("WARNING: ") && said.contains(told), "{setting}: {said}");
     }
-    // A centrifuge at 100 g.
-    let centrifuge = ["check", "column_collapse_small", "--set", "gravity=(0.0, -981.0)"];
-    let said = stdout(&clastic(&centrifuge).code(0));
-    assert!(!said.contains("WARNING"), "{said}");
+    // A centrifuge at 100 g, a vibration of ten steps a period.
+    let shaken =
+        "stages.release.walls={\"floor\": Follow(Displacement(0.0, 1e-4 * sin(2 * pi * 50 * t)))}";
+    for right in ["gravity=(0.0, -981.0)", shaken] {
+        let said = stdout(&clastic(&["check", "column_collapse_small", "--set", right]).code(0));
+        assert!(!said.contains("WARNING"), "{said}");
+    }
 }
 
 /// Such a compaction made no increment, and its run went on with the packing as it was.

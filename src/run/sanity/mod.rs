@@ -12,16 +12,20 @@ mod tests;
 mod untouched;
 
 use bevy_ecs::prelude::World;
+use clastic_components::bond::Bond;
+use clastic_components::contact::BodyTable;
 use serde::{Deserialize, Serialize};
 
 pub use self::before::before;
 pub(super) use self::follow::follow;
 pub use self::follow::{SANITY, Sanity};
 pub use self::heights::heights;
+use self::mistakes::LONG;
 pub use self::untouched::Untouched;
 pub(super) use self::untouched::{UNTOUCHED, follow_driven};
 use crate::run::script::Script;
-use crate::scene::format::{Scene, Specimen, Strain, Stress};
+use crate::scene::format::{Scene, Specimen, Stage, Strain, Stress};
+use crate::text::shown::label;
 
 /// Stiffness level below which deflections of contacts count: at 1000 they are a thousandth of a
 /// diameter. The limit is a choice of this project; da Cruz et al. (2005, Phys. Rev. E 72, 021309)
@@ -71,7 +75,26 @@ pub fn after(world: &World) -> Report {
     let mut report = world.resource::<Sanity>().report(&script.scene);
     let untouched = world.get_resource::<Untouched>();
     report.warnings.extend(untouched.map(|driven| driven.warnings(script)).unwrap_or_default());
+    report.warnings.extend(long_bonds(world, &script.scene));
     report
+}
+
+/// Warning of bonds that a coordination has made between grains that are no neighbours.
+fn long_bonds(world: &World, scene: &Scene) -> Option<String> {
+    let counts = |stage: &&Stage| matches!(stage, Stage::Cement(of) if of.coordination.is_some());
+    let stage = scene.stages.iter().find(counts)?;
+    let bodies = world.resource::<BodyTable>();
+    let is_particle = |id| bodies.row(id).is_some_and(|row| row < bodies.particles);
+    let mut bonds = world.try_query::<&Bond>()?;
+    let gaps = bonds.iter(world).filter(|bond| is_particle(bond.b)).map(|bond| bond.initial_gap);
+    let longest = gaps.max_by(f64::total_cmp)? / bodies.mean_radius;
+    (longest > LONG).then(|| {
+        format!(
+            "stage {}: the longest bond bridges a gap of {longest:.2} mean radii, as there are too few pairs that are \
+             nearer; give a smaller `coordination`",
+            label(stage.name())
+        )
+    })
 }
 
 /// Whether the scene measures a stress and a strain.
