@@ -244,8 +244,8 @@ impl Packed {
         };
         let wrong = |Measure { name, of }: &Measure| {
             Some(format!(
-                "measures.{}: `Fixed({:?})` for a specimen of {:.2e} m by {:.2e} m: lengths are in m, areas in m^2; no \
-                 strength, modulus or angle follows from such a stress",
+                "measures.{}: `Fixed({:?})` for a specimen of {:.2e} m by {:.2e} m: lengths are in m, areas in m^2; \
+                 no key result follows from it",
                 label(name),
                 given(of)?,
                 self.width,

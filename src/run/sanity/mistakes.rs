@@ -23,7 +23,7 @@ const STRETCH: std::ops::Range<f64> = 1e-6..2.0;
 const STIFFEST: f64 = 1e7;
 /// Gap of the longest bond that a stage makes, mean radii, above which it joins grains that are no
 /// neighbours: a grain fits between two at a gap of two radii.
-pub(super) const LONG: f64 = 2.0;
+const LONG: f64 = 2.0;
 /// Mean diameter of the grains of a test, m, above which they were given in mm. Those of laboratory
 /// tests are below 0.1 m.
 const LARGE: f64 = 0.1;

@@ -28,7 +28,8 @@ pub(super) fn load(at: &mut At, stage: &Load) {
             "a displacement gradient of {whole:?} over the stage: particles would pass the origin"
         );
         let help = "give that of one increment, and not that of the stage";
-        at.refuse(whole <= -1.0, format_args!("particles[{i}].affine"), message, help);
+        let is_wrong = whole <= -1.0 && stage.stop.is_empty();
+        at.refuse(is_wrong, format_args!("particles[{i}].affine"), message, help);
     }
     record(at, &stage.record);
     for (i, n) in stage.record.frames.iter().enumerate() {

@@ -138,7 +138,8 @@ fn begins_dense(at: &mut At, stage: &Compact, walls: Option<(&Wall, &Wall)>) {
     let is_first = scene.stages[..at.stage].iter().all(|stage| matches!(stage, Stage::Save(_)));
     let is_new = !matches!(scene.specimen, Specimen::State { .. }) && !context.is_resumed();
     let parts = ["specimen", "minerals", "keep", "walls", "cell", &at.path("")];
-    if !(is_first && is_new && context.is_read() && at.are_sound(&parts)) {
+    let is_known = is_first && is_new && context.is_read() && at.are_sound(&parts);
+    if !is_known || stage.target == CompactTarget::Jammed {
         return;
     }
     let between = |(moving, fixed)| (distance(fixed, moving), length(fixed));
