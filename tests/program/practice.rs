@@ -69,7 +69,10 @@ fn wrong_lengths_and_areas_of_stresses_give_neither_modulus_nor_friction_angle()
         "measures.axial_stress.of=Stress(Average(component: Yy, area: Fixed(1.0)))",
     ] {
         let (said, results) = of(wrong);
-        assert!(said.contains("is not the area of the specimen"), "{said}");
+        // The last area is 100 times that of the specimen: no stress counts.
+        let reasons =
+            ["is not the area of the specimen", "within a factor of 32 of the specimen's"];
+        assert!(reasons.iter().any(|reason| said.contains(reason)), "{said}");
         for name in ["youngs_modulus_pa", "friction_angle_rad"] {
             assert!(results[name].is_null(), "{wrong}: {results}");
         }
