@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use bevy_ecs::prelude::*;
 
 use clastic_components::body::BodyId;
+use clastic_components::contact::BodyTable;
+use clastic_components::observation::{MeasureArea, MeasureLength, StressMeasure};
 use clastic_components::particle::Particle;
 
 /// The disks of a packing.
@@ -67,6 +69,40 @@ pub(super) fn radii(world: &mut World) -> Vec<f64> {
 pub(crate) fn ends(points: impl Iterator<Item = (f64, f64)>) -> Option<(f64, f64)> {
     let spans = points.map(|(at, reach)| (at - reach, at + reach));
     spans.reduce(|(low, high), (l, h)| (low.min(l), high.max(h)))
+}
+
+/// Ratio of a length or an area to that of the specimen from which on its unit is another one: nearer to
+/// the thousand of mm and m than to 1. A beam has a twentieth, the tension in a disk twice the area.
+const OTHER_UNIT: f64 = 31.6;
+
+/// Length or area that a stress gives as a number, if its unit is not that of a specimen with these sides.
+pub(crate) fn in_other_unit<W>(of: &StressMeasure<W>, sides: [f64; 2]) -> Option<f64> {
+    match of {
+        StressMeasure::Walls { length: MeasureLength::Fixed(length), .. } => {
+            Some(*length).filter(|length| is_apart(*length, sides))
+        }
+        StressMeasure::Average { area: MeasureArea::Fixed(area), .. } => {
+            Some(*area).filter(|area| is_apart(*area, [sides[0] * sides[1]; 2]))
+        }
+        _ => None,
+    }
+}
+
+/// Whether a value is far from both of two.
+pub(crate) fn is_apart(value: f64, of: [f64; 2]) -> bool {
+    value * OTHER_UNIT < of[0].min(of[1]) || value > OTHER_UNIT * of[0].max(of[1])
+}
+
+/// Width and height of the periodic cell, or of the box around the particles, m.
+pub(crate) fn sides(bodies: &BodyTable) -> Option<[f64; 2]> {
+    let side = |axis: usize| {
+        let disks = bodies.positions[..bodies.particles].iter().zip(&bodies.radii);
+        ends(disks.map(|(x, r)| (x[axis], *r))).map(|(low, high)| high - low)
+    };
+    match &bodies.cell {
+        Some(cell) => Some([cell.width, cell.height]),
+        None => Some([side(0)?, side(1)?]),
+    }
 }
 
 /// Lower bound on the porosity of disks whose smallest radius is `ratio` times the largest: that of

@@ -6,6 +6,8 @@ use bevy_ecs::prelude::*;
 use clastic_components::prelude::*;
 use glam::DVec2;
 
+use super::cement::intact;
+use super::script::Script;
 use super::select::selected;
 use super::touching::placed;
 use super::wall_pieces::{CUT, is_cut};
@@ -23,6 +25,7 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
         .or_else(|| leaves_behind(world, stage))
         .or_else(|| meets_nothing(world, stage))
         .or_else(|| loses_its_length(world, stage))
+        .or_else(|| breaks_too_many(world, stage))
         .or_else(|| rigid::refusal(world, stage))
         .or_else(|| membranes::refusal(world, stage))
 }
@@ -32,6 +35,26 @@ pub fn refusal(world: &mut World, stage: &scene::Load) -> Option<String> {
 fn selects_nothing(world: &mut World, stage: &scene::Load) -> Option<String> {
     let k = stage.particles.iter().position(|c| selected(world, &c.select).is_empty())?;
     Some(format!("particles[{k}].select {}", selects_none(&stage.particles[k].select)))
+}
+
+/// A stop at more broken bonds than there are. The stage is refused, because it would never hold.
+fn breaks_too_many(world: &mut World, stage: &scene::Load) -> Option<String> {
+    let broken = world.get_resource::<RuptureCount>().copied().unwrap_or_default().0;
+    let intact = intact(world);
+    let scene = &world.resource::<Script>().scene;
+    stage.stop.iter().enumerate().find_map(|(k, stop)| {
+        let (scene::Stop::Above(name, value) | scene::Stop::Until(name, value)) = stop else {
+            return None;
+        };
+        let Some(Quantity::Broken(modes)) = scene.measure(name) else { return None };
+        let most = intact + broken[modes.places()].iter().sum::<usize>();
+        (*value > most as f64).then(|| {
+            format!(
+                "stop[{k}] can never hold: it is at {value:?} broken bonds, and there are {most} bonds; give a \
+                 smaller number, or a `BrokenShare`"
+            )
+        })
+    })
 }
 
 /// An entry of `particles` that releases loads of particles which have none.

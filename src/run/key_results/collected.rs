@@ -175,7 +175,12 @@ impl KeyResults {
         if o.in_avalanche {
             return false;
         }
-        let Some(stress) = o.axial_stress else { return false };
+        let Some(stress) = o.axial_stress else {
+            if !collapsed {
+                self.last = None;
+            }
+            return false;
+        };
         let point = Point {
             strain: o.axial_strain.unwrap_or_default(),
             stress,

@@ -24,7 +24,7 @@ const INERTIA: &str = "inertia carries a part of the load there: the kinetic ene
                        of the work; load more slowly, or in a static stage";
 pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes during the test";
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
-                        an axial stress";
+                        an axial stress (on a length or area within a factor of 32 of the specimen's)";
 const UNKNOWN_START: &str = "the run starts from a saved state with other walls than its own or without a measured stress, \
                              and no earlier stage has measured the stress; put a loading stage of one \
                              increment before the reference stage";
@@ -165,7 +165,7 @@ impl KeyResults {
             return peak;
         }
         let last = self.collapse.ok_or("the specimen did not collapse")?;
-        Ok(last.ok_or("no increment before the collapse has an axial stress")?.stress)
+        Ok(last.ok_or("the last increment before the collapse has no axial stress")?.stress)
     }
 
     fn first_crack(&self) -> Result<f64, &'static str> {

@@ -16,6 +16,7 @@ use clastic_systems::measures::kept::kept_stresses;
 
 use super::collected::{KeyResults, Phase};
 use crate::run::cement::intact;
+use crate::run::disks::{in_other_unit, sides};
 use crate::run::script::Script;
 use crate::run::walls::WallCatalogue;
 use crate::scene::format::{Specimen, Stage};
@@ -45,7 +46,13 @@ pub(crate) fn observe_increment(
     let volume = area * analysis.thickness;
     results.kinetic = analysis.kind.dt().map_or(0.0, |_| observation.kinetic_energy / volume);
     results.thrust = thrust_beside(&measures, &walls);
-    results.observe(&observation, phase);
+    let stress = measures.axial_stress.as_ref().zip(sides(&bodies));
+    if stress.is_some_and(|(stress, sides)| in_other_unit(stress, sides).is_some()) {
+        let unknown = Observation { axial_stress: None, ..observation.clone() };
+        results.observe(&unknown, phase);
+    } else {
+        results.observe(&observation, phase);
+    }
 }
 
 /// Maximum normal force of the walls beside the specimen over that of its platens; 0 where the axial stress is not

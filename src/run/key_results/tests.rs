@@ -223,6 +223,18 @@ fn the_first_collapse_gives_the_limit_load() {
     near(key.results().limit_load_pa, 7.0);
 }
 
+/// A specimen that gave way after its platen was gone had the last stress of the platen as its limit load.
+#[test]
+fn a_stress_that_is_no_longer_measured_is_no_limit_load() {
+    let mut key = run(false, &[(Phase::Reference, Some(1e-3), Some(7.0))]);
+    key.observe(&at(2, None, None), Phase::Reference);
+    let collapse = Observation { status: IncrementStatus::Collapsed, ..at(3, None, None) };
+    key.observe(&collapse, Phase::Reference);
+    assert_eq!(key.results().limit_load_pa, None);
+    assert_eq!(key.results().strength_pa, None);
+    near(key.results().peak_stress_pa, 7.0);
+}
+
 #[test]
 fn residuals_keep_the_worst_and_do_not_lose_what_is_no_number() {
     let mut key = KeyResults::new(false);

@@ -2,21 +2,22 @@
 
 use glam::DVec2;
 
-use crate::run::disks::{Disks, ends};
+use crate::run::disks::{Disks, ends, in_other_unit, is_apart};
 use crate::run::minerals::specimen;
 use crate::run::wall_pieces::pieces;
 use crate::scene::format::{
-    Analysis, Cell, CellStrain, CellTarget, Compact, CompactBy, CompactTarget, LidLoad, Load,
-    Particle, Scene, Specimen, Stage, Strain, Table, WallControl,
+    Analysis, Area, Cell, CellStrain, CellTarget, Compact, CompactBy, CompactTarget, LidLoad, Load,
+    Measure, Particle, Quantity, Scene, Specimen, Stage, Strain, Table, WallControl,
 };
 use crate::scene::specimen_file::StoredSpecimen;
+use crate::text::shown::label;
 use clastic_components::wall;
 use clastic_systems::membranes::{MEMBRANES, MembraneStates};
 use clastic_systems::wall_states::{ControlStates, WALL_CONTROL};
 
 use super::material::{Grains, inertial};
 use super::mistakes::mistakes;
-use super::untouched::out_of_reach;
+use super::untouched::{nothing_acts, out_of_reach};
 use super::{Report, is_specimen, is_test};
 
 /// The ratios that follow from the imposed motions and stresses.
@@ -37,6 +38,7 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
         let rate = strain.into_iter().chain(shear).max_by(f64::total_cmp)? / dt?;
         inertial(rate, packed.as_ref()?.mean_mass, pressure?, scene.thickness)
     };
+    let in_other_units = packed.as_ref().map(|packed| packed.in_other_units(scene));
     let mut report = Report {
         stiffness_over_pressure: grains.level(pressure).filter(|_| is_test(scene)),
         inertial_number: number(),
@@ -46,7 +48,9 @@ pub fn before(scene: &Scene, stored: Option<&StoredSpecimen>) -> Report {
     }
     .with_warnings(grains.strength > 0.0, grains.are_rock(pressure));
     report.warnings.extend(too_dense(scene, &disks));
+    report.warnings.extend(in_other_units.unwrap_or_default());
     report.warnings.extend(out_of_reach(scene, &seeds));
+    report.warnings.extend(nothing_acts(scene, &seeds));
     report.warnings.extend(mistakes(scene, &grains, &seeds, pressure));
     report
 }
@@ -228,6 +232,29 @@ impl Packed {
         } else {
             Self { height: self.height * left(n), ..self }
         }
+    }
+
+    /// Warnings of measures whose length or area is in another unit than the specimen.
+    fn in_other_units(&self, scene: &Scene) -> Vec<String> {
+        let (sides, area) = ([self.width, self.height], self.width * self.height);
+        let given = |of: &Quantity| match of {
+            Quantity::Stress(of) => in_other_unit(of, sides),
+            Quantity::Porosity(Area::Fixed(given)) if is_apart(*given, [area; 2]) => Some(*given),
+            _ => None,
+        };
+        let wrong = |Measure { name, of }: &Measure| {
+            Some(format!(
+                "measures.{}: `Fixed({:?})` for a specimen of {:.2e} m by {:.2e} m: lengths are in m, areas in m^2; \
+                 no key result follows from it",
+                label(name),
+                given(of)?,
+                self.width,
+                self.height
+            ))
+        };
+        // What is poured in may be larger.
+        let pours = scene.stages.iter().any(Stage::pours);
+        scene.measures.iter().filter(|_| !pours).filter_map(wrong).collect()
     }
 
     /// Number of largest diameters that fit across the smaller side.

@@ -10,7 +10,7 @@ use clastic_systems::measures::strain::shear_of;
 
 use super::material::{Grains, inertial};
 use super::{Report, is_specimen, is_test};
-use crate::run::disks::ends;
+use crate::run::disks::sides;
 use crate::run::script::Script;
 use crate::scene::format::Scene;
 
@@ -171,15 +171,8 @@ fn overlap(
 
 /// Largest diameters across the smaller side of the box around the particles, or of the cell.
 fn across(bodies: &BodyTable) -> Option<f64> {
-    let n = bodies.particles;
-    let largest = bodies.radii[..n].iter().copied().max_by(f64::total_cmp)?;
-    let side = |axis: usize| {
-        let disks = bodies.positions[..n].iter().zip(&bodies.radii);
-        ends(disks.map(|(x, r)| (x[axis], *r))).map(|(low, high)| high - low)
-    };
-    let (width, height) = match &bodies.cell {
-        Some(cell) => (cell.width, cell.height),
-        None => (side(0)?, side(1)?),
-    };
+    let radii = &bodies.radii[..bodies.particles];
+    let largest = radii.iter().copied().max_by(f64::total_cmp)?;
+    let [width, height] = sides(bodies)?;
     Some(width.min(height) / (2.0 * largest))
 }

@@ -12,6 +12,8 @@ mod tests;
 mod untouched;
 
 use bevy_ecs::prelude::World;
+use clastic_components::bond::Bond;
+use clastic_components::contact::BodyTable;
 use serde::{Deserialize, Serialize};
 
 pub use self::before::before;
@@ -21,7 +23,8 @@ pub use self::heights::heights;
 pub use self::untouched::Untouched;
 pub(super) use self::untouched::{UNTOUCHED, follow_driven};
 use crate::run::script::Script;
-use crate::scene::format::{Scene, Specimen, Strain, Stress};
+use crate::scene::format::{Scene, Specimen, Stage, Strain, Stress};
+use crate::text::shown::label;
 
 /// Stiffness level below which deflections of contacts count: at 1000 they are a thousandth of a
 /// diameter. The limit is a choice of this project; da Cruz et al. (2005, Phys. Rev. E 72, 021309)
@@ -46,6 +49,9 @@ const OPENED: f64 = 0.1;
 const ROCK: f64 = 10.0;
 /// Largest grains across an unbonded specimen: minimum six (ASTM D7181).
 const SOIL: f64 = 6.0;
+/// Gap of a bond, mean radii, above which a coordination bonds grains across pores. In a jammed packing 4.5 bonds a
+/// grain reach 0.1 radii, 5 reach 0.3 and 6 reach 0.9.
+const FAR: f64 = 0.5;
 /// Relative error of a measured ratio: a stress is as exact as the residual, and ten columns are
 /// ten.
 const ROUNDING: f64 = 1e-6;
@@ -71,7 +77,26 @@ pub fn after(world: &World) -> Report {
     let mut report = world.resource::<Sanity>().report(&script.scene);
     let untouched = world.get_resource::<Untouched>();
     report.warnings.extend(untouched.map(|driven| driven.warnings(script)).unwrap_or_default());
+    report.warnings.extend(long_bonds(world, &script.scene));
     report
+}
+
+/// Warning of bonds that a coordination has made between grains that are no neighbours.
+fn long_bonds(world: &World, scene: &Scene) -> Option<String> {
+    let counts = |stage: &&Stage| matches!(stage, Stage::Cement(of) if of.coordination.is_some());
+    let stage = scene.stages.iter().find(counts)?;
+    let bodies = world.resource::<BodyTable>();
+    let is_particle = |id| bodies.row(id).is_some_and(|row| row < bodies.particles);
+    let mut bonds = world.try_query::<&Bond>()?;
+    let gaps = bonds.iter(world).filter(|bond| is_particle(bond.b)).map(|bond| bond.initial_gap);
+    let longest = gaps.max_by(f64::total_cmp)? / bodies.mean_radius;
+    (longest > FAR).then(|| {
+        format!(
+            "stage {}: the longest bond bridges a gap of {longest:.2} mean radii, as there are too few pairs that are \
+             nearer; give a smaller `coordination`",
+            label(stage.name())
+        )
+    })
 }
 
 /// Whether the scene measures a stress and a strain.

@@ -323,6 +323,24 @@ fn a_cement_that_reaches_past_neighbours_is_told() {
     assert!(told(&rock, "stages.cement.length is 0.03 m, 3.0 mean radii"));
 }
 
+/// A coordination bonds the nearest pairs, however far apart these are.
+#[test]
+fn a_coordination_that_reaches_past_neighbours_is_told_by_its_longest_bond() {
+    let told = |coordination: f64| {
+        let mut sand = scene("1e6", "Static", "Displacement(0.0, -2e-5)");
+        let mut rock = scene_with_bond(&mut sand);
+        if let Stage::Cement(cement) = &mut rock.stages[0] {
+            (cement.length, cement.coordination) = (None, Some(coordination));
+        }
+        let mut simulation = Simulation::new(&rock, None);
+        simulation.step();
+        after(simulation.world()).warnings.into_iter().find(|w| w.contains("longest bond"))
+    };
+    // Of four columns of five disks 31 pairs touch, and 24 have a gap of 0.83 radii.
+    assert_eq!(told(3.1), None);
+    assert!(told(4.0).is_some_and(|said| said.contains("bridges a gap of 0.83 mean radii")));
+}
+
 /// Gives the material a law for bonds of 100 kPa. The scene that is returned cements it too.
 fn scene_with_bond(sand: &mut Scene) -> Scene {
     let bond = Bond {

@@ -158,6 +158,35 @@ fn comes_near(wall: &Wall, motion: DVec2) -> bool {
     motion != DVec2::ZERO && (is_whole || chord.perp().dot(motion) >= 0.0)
 }
 
+/// Whether only walls and the cell may move particles in a stage.
+fn is_at_rest(scene: &Scene, load: &Load) -> bool {
+    load.gravity.unwrap_or(scene.gravity) == (0.0, 0.0)
+        && load.particles.is_empty()
+        && load.rigid.is_empty()
+        && load.membranes.is_empty()
+        && !matches!(scene.specimen, Specimen::State { .. })
+}
+
+/// Warning before the run: no stage has anything that moves or loads particles, as where gravity was forgotten.
+pub(super) fn nothing_acts(scene: &Scene, seeds: &[Particle]) -> Option<String> {
+    let acts = |stage: &Stage| match stage {
+        Stage::Load(load) => {
+            let is_held = |control: &WallControl| *control == WallControl::Fixed;
+            !is_at_rest(scene, load) || load.cell.is_some() || !load.walls.values().all(is_held)
+        }
+        Stage::Pour(_) | Stage::Custom(_) => true,
+        _ => false,
+    };
+    let flies = |seed: &Particle| seed.velocity != (0.0, 0.0) || seed.angular_velocity != 0.0;
+    let mut loads = scene.stages.iter().filter(|stage| matches!(stage, Stage::Load(_)));
+    let is_quiet = !scene.stages.iter().any(acts) && !seeds.iter().any(flies);
+    let name = label(loads.next().filter(|_| is_quiet)?.name());
+    Some(format!(
+        "stages.{name}: nothing moves or loads a particle in it or in a later stage; give the scene a `gravity`, down is \
+         (0.0, -9.81), or a wall a motion or a load"
+    ))
+}
+
 /// Warning before the run: in the first stage that loads the specimen no wall reaches a particle,
 /// and nothing else could bring particles to the walls.
 pub(super) fn out_of_reach(scene: &Scene, seeds: &[Particle]) -> Option<String> {
@@ -171,12 +200,7 @@ pub(super) fn out_of_reach(scene: &Scene, seeds: &[Particle]) -> Option<String> 
         return None;
     }
     let is_static = load.analysis.unwrap_or(scene.analysis) == Analysis::Static;
-    let is_at_rest = load.gravity.unwrap_or(scene.gravity) == (0.0, 0.0)
-        && load.particles.is_empty()
-        && load.rigid.is_empty()
-        && load.membranes.is_empty()
-        && !matches!(scene.specimen, Specimen::State { .. });
-    if !is_static || !is_at_rest {
+    if !is_static || !is_at_rest(scene, load) {
         return None;
     }
     let moved = driven(scene, load);

@@ -188,6 +188,14 @@ impl Scene {
         })
     }
 
+    /// Whether there may be bonds when a stage begins, by its index.
+    pub(crate) fn has_bonds(&self, stage: usize) -> bool {
+        let makes = |stage: &Stage| matches!(stage, Stage::Cement(_) | Stage::Custom(_));
+        !self.bonds.is_empty()
+            || matches!(self.specimen, Specimen::State { .. })
+            || self.stages.iter().take(stage).any(makes)
+    }
+
     /// Whether a contact law of the scene has restitution. Velocities of dynamic stages are then
     /// those of theta = 1.
     pub fn has_restitution(&self) -> bool {

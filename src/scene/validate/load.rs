@@ -22,6 +22,14 @@ pub(super) fn load(at: &mut At, stage: &Load) {
     }
     for (i, control) in stage.particles.iter().enumerate() {
         control_of_particles(&mut at.item("particles", i), control);
+        let diagonal = control.affine.map_or(0.0, |((xx, _), (_, yy))| xx.min(yy));
+        let whole = diagonal * f64::from(stage.increments);
+        let message = format!(
+            "a displacement gradient of {whole:?} over the stage: particles would pass the origin"
+        );
+        let help = "give that of one increment, and not that of the stage";
+        let is_wrong = whole <= -1.0 && stage.stop.is_empty();
+        at.refuse(is_wrong, format_args!("particles[{i}].affine"), message, help);
     }
     record(at, &stage.record);
     for (i, n) in stage.record.frames.iter().enumerate() {

@@ -1,6 +1,9 @@
 //! Stop conditions of a stage.
 
-use crate::scene::format::{Area, Length, Quantity, Stage, Stop, Strain, Stress};
+use crate::run::disks::ends;
+use crate::scene::format::{
+    Amount, Area, Fragments, Length, Quantity, ROLES, Scene, Stage, Stop, Strain, Stress,
+};
 
 use super::findings::At;
 
@@ -40,8 +43,16 @@ pub(super) fn check(at: &mut At, stop: &Stop) {
 }
 
 /// Walls on which a measure is taken.
-fn walls(of: &Quantity) -> Vec<&String> {
+fn walls<'a>(scene: &'a Scene, of: &'a Quantity) -> Vec<&'a String> {
     match of {
+        Quantity::VolumetricStrain | Quantity::DilationAngle { .. } => {
+            let strains = ROLES.iter().filter_map(|role| scene.strain(role));
+            let pairs = strains.filter_map(|of| match of {
+                Strain::Walls(a, b) => Some([a, b]),
+                _ => None,
+            });
+            pairs.flatten().collect()
+        }
         Quantity::Strain(Strain::Walls(a, b)) => vec![a, b],
         Quantity::Stress(Stress::Walls { walls, length: Length::Between(a, b) }) => {
             walls.iter().chain([a, b]).collect()
@@ -54,6 +65,43 @@ fn walls(of: &Quantity) -> Vec<&String> {
     }
 }
 
+/// Minimum and maximum of a measure in the stage that is checked.
+fn range(at: &At, of: &Quantity) -> (f64, f64) {
+    let far = f64::INFINITY;
+    let scene = at.context.scene;
+    let adds = |stage: &Stage| stage.pours() || matches!(stage, Stage::Custom(_));
+    let particles = at.context.particles.filter(|_| !scene.stages.iter().any(adds));
+    let particles = particles.map_or(far, |count| count as f64);
+    // Linear between points, and constant after the last.
+    let scaled = |value: f64, points: &Option<Vec<(f64, f64)>>| {
+        let factors = points.iter().flatten().map(|(_, factor)| factor.abs() * value);
+        ends(factors.map(|factor| (factor, 0.0))).unwrap_or((value, value))
+    };
+    let load = scene.stages[at.stage].load();
+    match of {
+        Quantity::Porosity(_) => (-far, 1.0),
+        Quantity::Broken(_) | Quantity::BrokenShare(_) | Quantity::Cracks { .. }
+            if !scene.has_bonds(at.stage) =>
+        {
+            (0.0, 0.0)
+        }
+        Quantity::BrokenShare(_)
+        | Quantity::Fragments(Fragments::LargestShare)
+        | Quantity::Grains { amount: Amount::Share, .. } => (0.0, 1.0),
+        Quantity::Fragments(_) | Quantity::Grains { amount: Amount::Number, .. } => {
+            (0.0, particles)
+        }
+        Quantity::Gravity => load.map_or((0.0, far), |load| {
+            let (x, y) = load.gravity.unwrap_or(scene.gravity);
+            scaled(x.hypot(y), &load.scale.gravity)
+        }),
+        Quantity::StrengthFactor => {
+            load.map_or((0.0, far), |load| scaled(1.0, &load.scale.strength))
+        }
+        _ => (-far, far),
+    }
+}
+
 /// Finds a stop condition on a measure that is not defined in its stage, which could never be met.
 fn never(at: &mut At, stop: &Stop) {
     let context = at.context;
@@ -62,7 +110,7 @@ fn never(at: &mut At, stop: &Stop) {
     }
     let scene = context.scene;
     let Some(of) = stop.measure().and_then(|name| scene.measure(name)) else { return };
-    if let Some(wall) = walls(of).iter().find(|name| at.is_there(name) == Some(false)) {
+    if let Some(wall) = walls(scene, of).iter().find(|name| at.is_there(name) == Some(false)) {
         let message =
             format!("it can never hold: wall `{wall}`, on which it is measured, is not there");
         at.add("", message, "measure on walls of this stage, or leave it out");
@@ -70,6 +118,17 @@ fn never(at: &mut At, stop: &Stop) {
     let message = "it can never hold: a static stage has no time";
     let help = "use a dynamic analysis";
     at.refuse(at.is_timeless() && matches!(of, Quantity::Time), "", message, help);
+    let (low, high) = range(at, of);
+    let unmet = match *stop {
+        Stop::Above(_, value) | Stop::Until(_, value) if value > high => Some(("most", high)),
+        Stop::Below(_, value) | Stop::Until(_, value) if value < low => Some(("least", low)),
+        _ => None,
+    };
+    if let Some((least, bound)) = unmet {
+        let message =
+            format!("it can never hold: the measure is at {least} {bound:?} in this stage");
+        at.add("[1]", message, "give a value that it comes to; 12 % is 0.12");
+    }
     let is_compaction = matches!(scene.stages[at.stage], Stage::Compact(_));
     let needs_forces = matches!(
         of,
