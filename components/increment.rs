@@ -126,6 +126,12 @@ impl Acceptance {
     /// Maximum travel of the furthest grain in a step of a followed motion, in
     /// its radii. Constant normals allow no more.
     pub const MAX_TRAVEL: f64 = 0.3;
+
+    /// Whether a fraction of an increment may be halved. The limit refers to the whole increment and not to
+    /// the last fraction. Otherwise a specimen without equilibrium would continue in ever smaller steps.
+    pub fn halves(&self, fraction: f64) -> bool {
+        0.5 * fraction >= 0.5_f64.powf(f64::from(self.halvings))
+    }
 }
 
 impl Default for Acceptance {

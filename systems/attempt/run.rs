@@ -222,14 +222,11 @@ fn budget(world: &World) -> Budget {
     let attempt = world.resource::<Attempt>();
     let settings = world.resource::<MotionSettings>();
     let search = world.resource::<EventSearch>();
-    // The limit refers to a whole increment and not to the last fraction. Otherwise a specimen
-    // without equilibrium would continue in ever smaller steps.
-    let finest = 0.5_f64.powf(f64::from(world.resource::<Acceptance>().halvings));
     let is_static = world.resource::<ClasticAnalysis>().kind == AnalysisKind::Static;
     Budget {
         motion: is_static && attempt.motions < settings.max_motions,
         step: motion::has_step(attempt, world.resource(), settings),
-        half: 0.5 * world.resource::<ClasticProgress>().fraction >= finest,
+        half: world.resource::<Acceptance>().halves(world.resource::<ClasticProgress>().fraction),
         searches: search.active,
         breaks: search.active || search.dense,
         shrinks: attempt.motions == 0

@@ -5,7 +5,9 @@ use bevy_ecs::prelude::*;
 use clastic_components::attempt::{Attempt, Mode};
 use clastic_components::contact::{BodyTable, ContactTable};
 use clastic_components::findings::{Corrections, Sliding};
-use clastic_components::increment::{Acceptance, AnalysisKind, ClasticAnalysis, FrictionLaw};
+use clastic_components::increment::{
+    Acceptance, AnalysisKind, ClasticAnalysis, ClasticProgress, FrictionLaw,
+};
 use clastic_cone::coulomb::{Coulomb, Goal};
 use clastic_cone::program::{ConeProgram, ConeSolution, SlidingLaw, SolveStatus};
 use clastic_cone::residuals;
@@ -19,6 +21,9 @@ const MAX_FAILURES: u32 = 4;
 /// Maximum number of factorisations of a quick solve. Steps of a motion are quick: a step without a
 /// solution is made again with a larger inertia.
 const QUICK: u32 = 40;
+/// Maximum number of factorisations of a time step that may be halved. Solves that succeed mostly take fewer;
+/// 2000 disks to 1e-4 take 11 736 with it and 17 461 without, for twelve more steps (decision 004).
+const OF_TIME_STEP: u32 = 120;
 
 /// Safety factor: the solver aims at 0.9 times the tolerance.
 pub const MARGIN: f64 = 0.9;
@@ -48,7 +53,7 @@ pub fn law_of(
 /// [`coulomb::judge`](crate::attempt::coulomb::judge) decides on it.
 pub(crate) fn solve_sliding(
     law: Res<FrictionLaw>,
-    acceptance: Res<Acceptance>,
+    (acceptance, progress): (Res<Acceptance>, Res<ClasticProgress>),
     analysis: Res<ClasticAnalysis>,
     bodies: Res<BodyTable>,
     contacts: Res<ContactTable>,
@@ -81,8 +86,11 @@ pub(crate) fn solve_sliding(
     let enough = if moves { bound } else { solution.tolerance };
     // The solver treats the regularisation as part of the program, but the residual below counts it
     // as an error. The margin keeps a solution that just converges from failing.
-    let patient = finding.failures < MAX_FAILURES && !moves;
-    let max = if patient { law.factorisations } else { law.factorisations.min(QUICK) };
+    let max = match finding.failures < MAX_FAILURES && !moves {
+        true if is_static || !acceptance.halves(progress.fraction) => law.factorisations,
+        true => law.factorisations.min(OF_TIME_STEP),
+        false => law.factorisations.min(QUICK),
+    };
     let aim = MARGIN * enough;
     let asked = super::asked(enough, &analysis, &attempt, &bodies);
     // The first point within the tolerance suffices in time steps where it does for the associated

@@ -96,8 +96,7 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let c = local.compliance[f];
             if local.has[f] && c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 }
         });
-        let mut x = Variables::default();
-        x.s = trial;
+        let mut x = Variables { s: trial, ..Variables::default() };
         law.clamp(&mut x.s);
         // Inside of a limit the distance to it is the slack; outside, the excess is the multiplier.
         let is_rigid = local.compliance[0] == 0.0;
