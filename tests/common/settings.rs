@@ -66,12 +66,11 @@ pub fn of_condensed() -> Vec<Field<CondensedSettings>> {
         interior.max_iterations, interior.max_start_force, interior.start,
         interior.warm_product, interior.proximal, interior.min_proximal,
         interior.min_compliance, interior.product_weight, interior.near, interior.slow,
-        interior.patience, interior.progress, interior.decided,
+        interior.patience, interior.progress, interior.max_decisions, interior.decided,
     ];
     fields.push(("local.fast_quantile", |s, factor| {
         scale_rest(&mut s.local.fast_quantile, factor);
     }));
-    fields.push(("interior.undecided", |s, factor| scale_rest(&mut s.interior.undecided, factor)));
     fields
 }
 

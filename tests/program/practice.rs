@@ -63,16 +63,19 @@ fn wrong_lengths_and_areas_of_stresses_give_neither_modulus_nor_friction_angle()
         let said = stdout(&done.code(0));
         (said, read_json(out.path(), "run.json")["results"].clone())
     };
-    for wrong in [
-        "measures.lateral_stress.of=Stress(Walls(walls: [\"left\", \"right\"], length: Fixed(0.05)))",
-        "measures.lateral_stress.of=Stress(Average(component: Xx, area: Fixed(1.0)))",
-        "measures.axial_stress.of=Stress(Average(component: Yy, area: Fixed(1.0)))",
+    let (area, unit) =
+        ("is not the area of the specimen", "within a factor of 32 of the specimen's");
+    for (wrong, reason) in [
+        (
+            "measures.lateral_stress.of=Stress(Walls(walls: [\"left\", \"right\"], length: Fixed(0.05)))",
+            area,
+        ),
+        ("measures.lateral_stress.of=Stress(Average(component: Xx, area: Fixed(1.0)))", area),
+        ("measures.axial_stress.of=Stress(Average(component: Yy, area: Fixed(0.02)))", area),
+        ("measures.axial_stress.of=Stress(Average(component: Yy, area: Fixed(1.0)))", unit),
     ] {
         let (said, results) = of(wrong);
-        // The last area is 100 times that of the specimen: no stress counts.
-        let reasons =
-            ["is not the area of the specimen", "within a factor of 32 of the specimen's"];
-        assert!(reasons.iter().any(|reason| said.contains(reason)), "{said}");
+        assert!(said.contains(reason), "{wrong}: {said}");
         for name in ["youngs_modulus_pa", "friction_angle_rad"] {
             assert!(results[name].is_null(), "{wrong}: {results}");
         }
@@ -178,6 +181,8 @@ fn what_nothing_moves_and_what_is_pulled_away_is_told_before_the_run() {
     assert!(still.contains("stages.settle: nothing moves or loads a particle"), "{still}");
     let pulled = said("biaxial_small", "stages.confine.walls.left.stress=-200e3");
     assert!(pulled.contains("walls.left: a load of -200000.0 pulls the wall away"), "{pulled}");
+    let empty = said("column_collapse_small", "specimen=Particles([])");
+    assert!(empty.contains("specimen: no particles; list some"), "{empty}");
 }
 
 /// Such a compaction made no increment, and its run went on with the packing as it was.

@@ -88,6 +88,7 @@ pub(super) fn mistakes(
     list.extend(overlap(scene, seeds));
     list.extend(loose_sides(scene));
     list.extend(unused_bonds(scene));
+    list.extend(no_particles(scene));
     list.extend(of_stages(scene, mean));
     list
 }
@@ -248,6 +249,15 @@ fn unused_bonds(scene: &Scene) -> Option<String> {
         "no bond has the law materials.{}.bond: `bonds` is empty, and no stage `Cement` makes any",
         label(name)
     ))
+}
+
+/// Warning of a scene that never has a particle.
+fn no_particles(scene: &Scene) -> Option<String> {
+    let brings = |stage: &Stage| matches!(stage, Stage::Pour(_) | Stage::Custom(_));
+    let is_empty = matches!(&scene.specimen, Specimen::Particles(list) if list.is_empty());
+    (is_empty && !scene.stages.iter().any(brings)).then(|| {
+        "specimen: no particles; list some, write a `Lattice` or a `Packing`, or add a stage `Pour`".to_owned()
+    })
 }
 
 /// Warning of disks that overlap at the start by more than linear contacts assume, with each other

@@ -340,8 +340,7 @@ fn recipes() {
         (SPECIMEN, "Particles([(position: (0.0, 1.0), radius: 1.0),])]",
          "10:64: `]` where the `(` of line 1 wants its `)`; check the brackets"),
         (SPECIMEN, "Partices([])",
-         "10:15: specimen: unknown variant `Partices`; did you mean `Particles`? there are the variants `Particles`, `Lattice`, `Packing`, `File`, `State`\n\
-          10:15: specimen: no particles; list some, write a `Lattice` or a `Packing`, or add a stage `Pour`"),
+         "10:15: specimen: unknown variant `Partices`; did you mean `Particles`? there are the variants `Particles`, `Lattice`, `Packing`, `File`, `State`"),
         (SPECIMEN, "File(path: 3)",
          "10:26: specimen.path: expected a text in quotes, found `3`; write `\"3\"`"),
     ]);

@@ -100,10 +100,6 @@ fn size(at: &mut At) {
 }
 
 fn particles(at: &mut At, list: &[Particle]) {
-    let brings = |stage: &Stage| matches!(stage, Stage::Pour(_) | Stage::Custom(_));
-    let is_empty = list.is_empty() && !at.context.scene.stages.iter().any(brings);
-    let help = "list some, write a `Lattice` or a `Packing`, or add a stage `Pour`";
-    at.refuse(is_empty && at.are_sure_of(&["specimen", "stages"]), "", "no particles", help);
     for (i, particle) in list.iter().enumerate() {
         let at = &mut at.item("", i);
         let (place, radius) = (particle.position, particle.radius);

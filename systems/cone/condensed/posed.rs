@@ -141,7 +141,7 @@ impl<'a> Posed<'a> {
         };
         let program = units.program;
         let settings = &settings.interior;
-        if program.has_bonds() && !program.is_dynamic() && !goal.in_middle {
+        if is_bonded(program) && !program.is_dynamic() && !goal.in_middle {
             let last = forces_in_units(program, &program.last_forces);
             let (end, point) = in_pool(matrix.is_shared(), || {
                 interior::solve_near(scaled, matrix, start, &last, settings, goal, units)
@@ -169,6 +169,12 @@ impl<'a> Posed<'a> {
         }
         found
     }
+}
+
+/// Whether most interactions are bonds. From one solve to the next few of them reach or leave a limit.
+fn is_bonded(program: &ConeProgram) -> bool {
+    let bonds = program.interactions.iter().filter(|c| c.limits.has_strength()).count();
+    2 * bonds > program.interactions.len()
 }
 
 /// Whether forces and mechanism are not unique, because bonds have no compliance. The interior

@@ -140,26 +140,22 @@ impl<'a, J: Judge> Ending<'a, J> {
         self.limit()
     }
 
-    /// The solution after the steps that leave no limit undecided by more than `small`. Steps go on while
-    /// each decides enough limits.
+    /// The solution after the steps that leave no limit undecided by more than `small`.
     fn decided(&mut self, iteration: &mut Iteration, small: f64, rest: f64) -> Option<Interior> {
         let mut point = self.best.clone();
-        let mut left = usize::MAX;
-        loop {
-            let before = std::mem::replace(&mut left, iteration.undecided(small));
-            if left == 0 || self.goal.decided.is_none() {
+        for left in (0..=self.settings.max_decisions).rev() {
+            if self.goal.decided.is_none() || iteration.undecided(small) == 0 {
                 iteration.store(&mut point);
                 if self.judge.is_solution(&point) {
                     return Some(point);
                 }
             }
-            if !((left as f64) < self.settings.undecided * before as f64
-                && iteration.decide(small, rest))
-            {
-                return None;
+            if left == 0 || !iteration.decide(small, rest) {
+                break;
             }
             self.iterations += 1;
         }
+        None
     }
 
     /// How the method ends where it cannot go on.
