@@ -46,8 +46,8 @@
 //!
 //! **Near the solution.** Bonds seldom reach or leave a limit from one solve to the next. With the right
 //! limits two or three of the steps that decide them solve a program, where the method takes fifteen
-//! iterations. A program with bonds therefore is first tried so, from the elastic trial at the last
-//! displacements.
+//! iterations. A program of mostly bonds therefore is first tried so ([`solve_near`]), from the elastic
+//! trial at the last displacements.
 
 mod cell;
 mod ending;
