@@ -141,7 +141,7 @@ impl<'a> Posed<'a> {
         };
         let program = units.program;
         let settings = &settings.interior;
-        if is_bonded(program) && !program.is_dynamic() && !goal.in_middle {
+        if is_bonded(program) && !program.is_dynamic() && !loose && !goal.in_middle {
             let last = forces_in_units(program, &program.last_forces);
             let (end, point) = in_pool(matrix.is_shared(), || {
                 interior::solve_near(scaled, matrix, start, &last, settings, goal, units)

@@ -144,7 +144,7 @@ impl<'a, J: Judge> Ending<'a, J> {
     fn decided(&mut self, iteration: &mut Iteration, small: f64, rest: f64) -> Option<Interior> {
         let mut point = self.best.clone();
         for left in (0..=self.settings.max_decisions).rev() {
-            if self.goal.decided.is_none() || iteration.undecided(small) == 0 {
+            if iteration.undecided(small) == 0 {
                 iteration.store(&mut point);
                 if self.judge.is_solution(&point) {
                     return Some(point);
