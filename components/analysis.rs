@@ -101,7 +101,7 @@ pub struct FrictionLaw {
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "reflect", derive(bevy_reflect::Reflect))]
 pub struct Coulomb {
-    /// Maximum number of factorisations of one solve.
+    /// Maximum number of factorisations of one solve. A time step that may be halved takes at most 120.
     pub factorisations: u32,
 }
 

@@ -12,9 +12,7 @@
 //! response of the solution to what is out of balance. With a growth g from pass to pass, all
 //! further passes together move 1/(1 - g) times as much. From g = 1 on the equilibrium that the
 //! passes would find is not stable, and they leave it for one that is, as a column that buckles. No
-//! step between guesses turns a bond or a loaded contact further than one solution may. Forces out of balance
-//! below the residual of solutions are unknown, and so is what they move: a specimen between smooth
-//! platens drifts along them. Where
+//! step between guesses turns a bond or a loaded contact further than one solution may. Where
 //! contacts slide, the forces depend on the path as much as on the end, the next increment begins
 //! with what was out of balance, and the first condition alone decides.
 //!
@@ -127,8 +125,7 @@ pub fn judge(
         }
         error
     } else if is_elastic {
-        let is_known = state.imbalance > tables.acceptance.residual || is_rigid(program, &counts);
-        let idle = if is_known { motion.over_own(&idle, growth) } else { 0.0 };
+        let idle = motion.over_own(&idle, growth);
         state.idle_motion = Some(idle);
         (state.imbalance / MAX_IMBALANCE).max(idle / MAX_IDLE_MOTION)
     } else {
@@ -335,15 +332,6 @@ impl Motion {
 pub(crate) fn is_elastic(program: &ConeProgram, solution: &ConeSolution, counts: &[bool]) -> bool {
     let mut forces = program.interactions.iter().zip(&solution.forces).zip(counts);
     !forces.any(|((c, f), counts)| *counts && !c.limits.has_strength() && c.limits.slides(f))
-}
-
-/// Whether a normal or shear force that counts has no compliance: its misfit is no force.
-fn is_rigid(program: &ConeProgram, counts: &[bool]) -> bool {
-    let mut interactions = program.interactions.iter().zip(counts);
-    interactions.any(|(c, counts)| {
-        let shears = c.limits.forces()[1];
-        *counts && (c.normal_compliance == 0.0 || (shears && c.tangential_compliance == 0.0))
-    })
 }
 
 /// Maximum motion of a body, m. A rotation counts with the length `radius`, m.

@@ -24,7 +24,7 @@ const INERTIA: &str = "inertia carries a part of the load there: the kinetic ene
                        of the work; load more slowly, or in a static stage";
 pub(super) const LATERAL_CHANGES: &str = "the lateral stress changes during the test";
 const NO_CURVE: &str = "no increment from the start of the reference stage on has both an axial strain and \
-                        an axial stress (on a length or area within a factor of 32 of the specimen's)";
+                        an axial stress";
 const UNKNOWN_START: &str = "the run starts from a saved state with other walls than its own or without a measured stress, \
                              and no earlier stage has measured the stress; put a loading stage of one \
                              increment before the reference stage";

@@ -7,7 +7,7 @@ use super::local;
 use super::matrix::BodyMatrix;
 use super::newton::Newton;
 use super::parallel::in_pool;
-use super::scaled::{Scaled, forces_in_units};
+use super::scaled::Scaled;
 use super::settings::{CondensedSettings, DEFAULT_RESIDUAL};
 use crate::certificate::{certificate, locks, proves};
 use crate::program::{Certificate, ConeProgram, ConeSolution, Residuals, SolveStatus};
@@ -133,27 +133,13 @@ impl<'a> Posed<'a> {
         let Demand { tolerance, loose, large, at_once } = units.demand;
         let goal = Goal {
             residual: units.demand.goal(settings.margin * settings.interior.near),
-            tolerance,
             at_once,
             decided: (!(at_once || loose || large)).then_some(tolerance),
             in_middle: is_rigid_plastic(units.program),
             seeks_proofs,
         };
-        let program = units.program;
-        let settings = &settings.interior;
-        if is_bonded(program) && !program.is_dynamic() && !loose && !goal.in_middle {
-            let last = forces_in_units(program, &program.last_forces);
-            let (end, point) = in_pool(matrix.is_shared(), || {
-                interior::solve_near(scaled, matrix, start, &last, settings, goal, units)
-            });
-            self.iterations += point.iterations;
-            if end == SolveStatus::Solved {
-                let found = units.solution(&point.u, &point.s, message);
-                return ConeSolution { iterations: self.iterations, ..found };
-            }
-        }
         let (end, point) = in_pool(matrix.is_shared(), || {
-            interior::solve(scaled, matrix, start, forces, settings, goal, units)
+            interior::solve(scaled, matrix, start, forces, &settings.interior, goal, units)
         });
         self.iterations += point.iterations;
         let mut found = units.solution(&point.u, &point.s, message);
@@ -169,12 +155,6 @@ impl<'a> Posed<'a> {
         }
         found
     }
-}
-
-/// Whether most interactions are bonds. From one solve to the next few of them reach or leave a limit.
-fn is_bonded(program: &ConeProgram) -> bool {
-    let bonds = program.interactions.iter().filter(|c| c.limits.has_strength()).count();
-    2 * bonds > program.interactions.len()
 }
 
 /// Whether forces and mechanism are not unique, because bonds have no compliance. The interior

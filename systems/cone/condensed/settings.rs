@@ -171,8 +171,7 @@ pub struct InteriorSettings {
     pub patience: usize = 20,
     /// Factor by which the best residual must fall in [`patience`](Self::patience) iterations.
     pub progress: f64 = 0.1,
-    /// Maximum number of Newton steps that decide limits, in each of two passes and near the last
-    /// solution.
+    /// Maximum number of Newton steps that decide limits, in each of two passes.
     /// 4: with 2 solutions differ by 3e-7, with 8 by 8e-9.
     pub max_decisions: usize = 4,
     /// Slack and multiplier that leave a limit undecided in the second pass, and what a step gives to

@@ -96,8 +96,14 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
             let c = local.compliance[f];
             if local.has[f] && c > 0.0 { (e[f] - law.linear[f]) / c } else { 0.0 }
         });
-        let mut x = Variables { s: trial, ..Variables::default() };
-        law.clamp(&mut x.s);
+        let mut x = Variables::default();
+        // The trial clamped to the limits: normal force first, then the others with it.
+        x.s[0] = trial[0].max(local.lowest());
+        for k in 0..Law::<F, Q>::PAIRS {
+            let strength = (law.right[2 * k] + law.slopes[k] * x.s[0]).max(0.0);
+            let f = Law::<F, Q>::force(k);
+            x.s[f] = trial[f].clamp(-strength, strength);
+        }
         // Inside of a limit the distance to it is the slack; outside, the excess is the multiplier.
         let is_rigid = local.compliance[0] == 0.0;
         // The multipliers of a rigid open contact add up to its gap: the stationarity of p. Near
@@ -127,36 +133,13 @@ impl<const F: usize, const Q: usize> Cell<F, Q> {
         }
     }
 
-    /// Takes the elastic trial at the displacements, clamped to the limits. A force without compliance
-    /// gets a small one about its `last` value.
-    pub fn warm_by_trial(
-        &mut self,
-        u: &[[f64; 3]],
-        last: &[[f64; 3]],
-        compliance: f64,
-        product: f64,
-    ) {
-        let (law, last) = (&self.law, &last[self.number]);
-        let e = law.arms.kinematics(u);
-        let mut s = std::array::from_fn(|f| match (e[f] - law.linear[f], law.compliance[f]) {
-            (e, 0.0) => last[f] + e / compliance,
-            (e, c) => e / c,
-        });
-        law.clamp(&mut s);
-        self.take(e, s, product);
-    }
-
-    /// Takes forces near the solution.
-    pub fn warm(&mut self, u: &[[f64; 3]], forces: &[[f64; 3]], product: f64) {
-        self.take(self.law.arms.kinematics(u), first(&forces[self.number]), product);
-    }
-
-    /// Takes forces, with the multipliers of their stationarity at the kinematics `e`. Slacks and
+    /// Takes forces near the solution, with the multipliers of their stationarity. Slacks and
     /// multipliers are then shifted to equal products: `w - lambda` stays, `w lambda` is the
     /// product.
-    fn take(&mut self, e: [f64; F], s: [f64; F], product: f64) {
+    pub fn warm(&mut self, u: &[[f64; 3]], forces: &[[f64; 3]], product: f64) {
         let Self { law, x, .. } = self;
-        x.s = s;
+        x.s = first(&forces[self.number]);
+        let e = law.arms.kinematics(u);
         let left: [f64; F] =
             std::array::from_fn(|f| law.linear[f] + law.compliance[f] * x.s[f] - e[f]);
         let mut multipliers = [0.0; Q];

@@ -120,26 +120,6 @@ impl<'a, J: Judge> Ending<'a, J> {
         self.limit()
     }
 
-    /// Decides limits from a start near the solution. Returns how that ends. The step that finds the right
-    /// limits may leave a residual that the next one, with the same limits, takes away.
-    pub fn decide_from(&mut self, iteration: &mut Iteration, size: f64) -> SolveStatus {
-        let rest = self.settings.decided * size;
-        let enough = self.settings.near * self.goal.residual;
-        for _ in 0..2 {
-            if !iteration.decide(size, rest) {
-                break;
-            }
-            self.iterations += 1;
-            let point = self.decided(iteration, size, rest);
-            let is_exact = point.as_ref().is_none_or(|point| point.merit <= enough);
-            if is_exact {
-                self.solution = point;
-                break;
-            }
-        }
-        self.limit()
-    }
-
     /// The solution after the steps that leave no limit undecided by more than `small`.
     fn decided(&mut self, iteration: &mut Iteration, small: f64, rest: f64) -> Option<Interior> {
         let mut point = self.best.clone();

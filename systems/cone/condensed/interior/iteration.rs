@@ -223,16 +223,6 @@ impl<'a> Iteration<'a> {
         for_each!(cell in self.groups => cell.store_steps(&mut point.s));
     }
 
-    /// Starts at the elastic trial, with every limit decided. Forces without compliance have a small one
-    /// about the `last` ones.
-    pub fn begin_near(&mut self, last: &[[f64; 3]], tolerance: f64) {
-        let Self { groups, u, settings, .. } = self;
-        let [_, compliance] = settings.min_compliance;
-        let product = (settings.decided * tolerance).powi(2);
-        for_each!(cell in groups => cell.warm_by_trial(u, last, compliance, product));
-        self.update_residuals();
-    }
-
     /// Assembles the condensed matrix, and the right sides of the two responses.
     pub fn assemble(&mut self) {
         let Self { program, matrix, settings, groups, rights, .. } = self;

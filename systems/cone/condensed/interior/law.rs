@@ -15,8 +15,6 @@ pub struct Law<const F: usize, const Q: usize> {
     /// Slope m of each pair of limits, `-m p + x` and `-m p - x`.
     pub slopes: [f64; MAX_PAIRS],
     pub right: [f64; Q],
-    /// Minimum of p.
-    pub lowest: f64,
 }
 
 /// Rows of consecutive bodies from `first`.
@@ -59,17 +57,6 @@ impl<const F: usize, const Q: usize> Law<F, Q> {
                 if k < Self::PAIRS { local.slopes[Self::force(k) - 1] } else { 0.0 }
             }),
             right: std::array::from_fn(|_| limits.next().map_or(0.0, |(_, strength)| strength)),
-            lowest: local.lowest(),
-        }
-    }
-
-    /// Clamps forces to the limits: the normal force first, then the others with it.
-    pub fn clamp(&self, s: &mut [f64; F]) {
-        s[0] = s[0].max(self.lowest);
-        for k in 0..Self::PAIRS {
-            let strength = (self.right[2 * k] + self.slopes[k] * s[0]).max(0.0);
-            let f = Self::force(k);
-            s[f] = s[f].clamp(-strength, strength);
         }
     }
 

@@ -282,7 +282,6 @@ mod tests {
             // At least one limit involves p.
             slopes: if Q % 2 == 1 || Q == 4 { [first, second] } else { [second, 0.0] },
             right: [0.0; Q],
-            lowest: 0.0,
         })
     }
 

@@ -43,11 +43,6 @@
 //! x the slack less the multiplier, slack and multiplier become the positive and the negative part of
 //! x, and the step takes the residuals that this leaves, without regard to the boundary. They use the
 //! same elimination and factorisation as an iteration.
-//!
-//! **Near the solution.** Bonds seldom reach or leave a limit from one solve to the next. With the right
-//! limits two or three of the steps that decide them solve a program, where the method takes fifteen
-//! iterations. A program of mostly bonds therefore is first tried so ([`solve_near`]), from the elastic
-//! trial at the last displacements.
 
 mod cell;
 mod ending;
@@ -99,23 +94,5 @@ pub fn solve(
         }
         _ => end,
     };
-    (end, ending.into_point(end))
-}
-
-/// Solves the program by steps that decide limits alone, from displacements and the `last` forces near
-/// the solution; stalled where these steps do not lead there.
-pub fn solve_near(
-    program: &Scaled,
-    matrix: &mut BodyMatrix,
-    start: &[[f64; 3]],
-    last: &[[f64; 3]],
-    settings: &InteriorSettings,
-    goal: Goal,
-    judge: &impl Judge,
-) -> (SolveStatus, Interior) {
-    let mut iteration = Iteration::new(program, matrix, settings, start, None, false);
-    iteration.begin_near(last, goal.tolerance);
-    let mut ending = Ending::new(program, settings, goal, judge);
-    let end = ending.decide_from(&mut iteration, goal.tolerance);
     (end, ending.into_point(end))
 }

@@ -44,8 +44,6 @@ pub trait Judge {
 pub struct Goal {
     /// Residual at which it is done, or at a slightly larger one where it is slow.
     pub residual: f64,
-    /// Residual of a solution.
-    pub tolerance: f64,
     /// Whether the first point that solves the program ends the method.
     pub at_once: bool,
     /// Maximum of the smaller of slack and multiplier of a limit, which decides of every limit
