@@ -167,30 +167,19 @@ pub(super) fn refusal(world: &mut World, stage: &Compact) -> Option<String> {
         return Some(message.to_owned());
     }
     let Reached { height: begin, porosity: now, .. } = reached(world, stage)?;
-    let target = porosity_of(stage.target, begin, now)?;
-    let looser = looser(now, target).map(|(message, help)| format!("{message}; {help}"));
-    looser.or_else(|| Disks::in_world(world).refusal(target))
-}
-
-/// Porosity at a target, of a packing that has the height `begin` and the porosity `now`.
-pub(crate) fn porosity_of(target: CompactTarget, begin: f64, now: f64) -> Option<f64> {
-    match target {
-        CompactTarget::Height(height) => Some(1.0 - (1.0 - now) * begin / height),
-        CompactTarget::Porosity(porosity) => Some(porosity),
-        CompactTarget::Jammed => None,
-    }
-}
-
-/// Why a packing cannot be compacted to a target that is looser, and the remedy.
-pub(crate) fn looser(now: f64, target: f64) -> Option<(String, &'static str)> {
+    let target = match stage.target {
+        CompactTarget::Height(height) => 1.0 - (1.0 - now) * begin / height,
+        CompactTarget::Porosity(porosity) => porosity,
+        CompactTarget::Jammed => return None,
+    };
     // A packing that is at its target already has nothing to do.
-    (now < target - 1e-9).then(|| {
-        let message = format!(
+    if now < target - 1e-9 {
+        return Some(format!(
             "the packing has a porosity of {now:.4} as it begins, and its target is {target:.4}: a compaction only \
-             makes it denser"
-        );
-        (message, "give a lower target, or leave the stage out")
-    })
+             makes it denser; give a lower target, or leave the stage out"
+        ));
+    }
+    Disks::in_world(world).refusal(target)
 }
 
 /// Ends a compaction to [`CompactTarget::Jammed`] where even the smallest part of an increment has

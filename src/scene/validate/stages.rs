@@ -4,17 +4,13 @@ use std::collections::BTreeMap;
 
 use clastic_components::domain::GRAVITY;
 
-use crate::run::compact::{looser, porosity_of};
-use crate::run::disks::Disks;
 use crate::scene::format::{
-    Analysis, Cement, Compact, CompactBy, CompactTarget, CustomStage, Record, Specimen, Stage,
-    Stop, Wall,
+    Analysis, Cement, Compact, CompactBy, CompactTarget, CustomStage, Record, Stage, Stop, Wall,
 };
 
 use super::findings::At;
 use super::load::load;
 use super::parts::{face, straight, wall_there};
-use super::places::{distance, length};
 use super::select::select;
 use super::{carried, materials, membranes, pour, rigid, settings, stops};
 
@@ -106,7 +102,6 @@ fn compact(at: &mut At, stage: &Compact) {
         }
         CompactTarget::Jammed => {}
     }
-    begins_dense(at, stage, moving.zip(fixed));
     for (i, stop) in stage.stop.iter().enumerate() {
         let at = &mut at.item("stop", i);
         if matches!(stop, Stop::Below(..) | Stop::Above(..)) {
@@ -128,29 +123,6 @@ fn compact(at: &mut At, stage: &Compact) {
         at.refuse(increments > MAX_STEPS, "step", message, "give a greater step in m");
     }
     at.not_negative("agitation", *agitation, "a number of radii");
-}
-
-/// Finds a compaction to a packing looser than that with which the run begins, between `moving` and `fixed`. What a
-/// stage before it leaves only the run can tell.
-fn begins_dense(at: &mut At, stage: &Compact, walls: Option<(&Wall, &Wall)>) {
-    let context = at.context;
-    let scene = context.scene;
-    let is_first = scene.stages[..at.stage].iter().all(|stage| matches!(stage, Stage::Save(_)));
-    let is_new = !matches!(scene.specimen, Specimen::State { .. }) && !context.is_resumed();
-    let parts = ["specimen", "minerals", "keep", "walls", "cell", &at.path("")];
-    let is_known = is_first && is_new && context.is_read() && at.are_sound(&parts);
-    if !is_known || stage.target == CompactTarget::Jammed {
-        return;
-    }
-    let between = |(moving, fixed)| (distance(fixed, moving), length(fixed));
-    let sides = scene.cell.as_ref().map(|cell| (cell.size.1, cell.size.0));
-    let Some((height, width)) = sides.or(walls.map(between)) else { return };
-    let disks = Disks::of(context.at_start().iter().map(|grain| grain.radius));
-    let now = 1.0 - disks.area / (height * width);
-    let target = porosity_of(stage.target, height, now);
-    if let Some((message, help)) = target.and_then(|target| looser(now, target)) {
-        at.add("target", message, help);
-    }
 }
 
 pub(super) fn record(at: &mut At, record: &Record) {
